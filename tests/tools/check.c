@@ -92,9 +92,15 @@ static void faults_of_forces_are_named(void **state) {
   right_and_wrong("force", 59);
 }
 
+/* Its right one takes memory of malloc in `create` and frees it in `destroy`. */
+static void faults_of_habits_are_named(void **state) {
+  (void)state;
+  right_and_wrong("habits", 13);
+}
+
 static void faults_of_parts_are_named(void **state) {
   (void)state;
-  right_and_wrong("parts", 7);
+  right_and_wrong("parts", 10);
 }
 
 static void faults_of_contact_are_named(void **state) {
@@ -162,6 +168,7 @@ int main(void) {
       cmocka_unit_test(every_force_passes),
       cmocka_unit_test(every_integrator_passes),
       cmocka_unit_test(faults_of_forces_are_named),
+      cmocka_unit_test(faults_of_habits_are_named),
       cmocka_unit_test(faults_of_parts_are_named),
       cmocka_unit_test(faults_of_contact_are_named),
       cmocka_unit_test(faults_of_explicit_methods_are_named),

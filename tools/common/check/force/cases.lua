@@ -283,7 +283,8 @@ function cases.variant(case, shape, plugin)
 end
 
 -- Calls body(subject, case, run) for every accepted case for which wanted(case) is true (nil: all). Raises an error when
--- there is none, with the reason of the first refusal.
+-- there is none, with the reason of the first refusal. options: those of cases.open; side; destroy: the run ends with the
+-- body.
 function cases.each(plugin, lines, wanted, body, options)
   local tried, refused = 0, nil
   for _, case in ipairs(cases.list(plugin)) do
@@ -296,6 +297,7 @@ function cases.each(plugin, lines, wanted, body, options)
         local subject = inspect.open(run, plugin.name, options and options.side)
         case.limits = plugin.has and plugin.has.step_limit
         if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
+        if options and options.destroy then inspect.destroy(run) end -- else with the script, which is never
       elseif case.file then error(("--scene %s: %s"):format(case.file, why), 0)
       else refused = refused or why end
     end
