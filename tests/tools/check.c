@@ -110,17 +110,22 @@ static void faults_of_contact_are_named(void **state) {
 
 static void faults_of_explicit_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong("integrator", 40);
+  right_and_wrong("integrator", 42);
 }
 
 static void faults_of_histories_are_named(void **state) {
   (void)state;
-  right_and_wrong("multistep", 6);
+  right_and_wrong("multistep", 7);
 }
 
 static void faults_of_adaptive_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong("adaptive", 7);
+  right_and_wrong("adaptive", 10);
+}
+
+static void faults_of_tiles_are_named(void **state) {
+  (void)state;
+  right_and_wrong("tiles", 7);
 }
 
 static void faults_of_implicit_methods_are_named(void **state) {
@@ -174,6 +179,7 @@ int main(void) {
       cmocka_unit_test(faults_of_explicit_methods_are_named),
       cmocka_unit_test(faults_of_histories_are_named),
       cmocka_unit_test(faults_of_adaptive_methods_are_named),
+      cmocka_unit_test(faults_of_tiles_are_named),
       cmocka_unit_test(faults_of_implicit_methods_are_named),
       cmocka_unit_test(faults_of_neighbours_are_named),
       cmocka_unit_test(faults_of_octrees_are_named),
