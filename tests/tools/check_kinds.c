@@ -108,7 +108,7 @@ static void faults_of_sources_are_found(void **state) {
 
 static void faults_of_solvers_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("solver", 17);
+  each_fault_has_its_sentence("solver", 18);
 }
 
 static void faults_of_outputs_are_found(void **state) {
