@@ -37,12 +37,19 @@ local function starts(plugin, values)
   return (pcall(function() return actor.scene(plugin, values):run { to = 0 } end))
 end
 
+-- Pictures are small where they may be: nothing that is checked hangs on their size, and large ones take minutes.
+local function small_picture(p)
+  local pixels = math.max(p.min or 1, math.min(64, p.max or 64))
+  return p.initial[1] > pixels and math.floor(pixels) or nil
+end
+
 -- What a plugin needs, with or without the lists that it may do without: first those that it starts with. The run that
 -- tries that lives as long as the process: it is made once.
 local function find_bases(plugin)
   local whole, bare, optional = {}, {}, false
   for _, p in ipairs(plugin.params) do
     local value = plugin.given[p.name]
+    if value == nil and p.type == "integer" and p.unit == "pixels" then value = small_picture(p) end
     if value == nil and (p.required or lists[p.type]) then value = value_for(p) end
     whole[p.name] = value
     local left_out = plugin.given[p.name] == nil and p.optional and lists[p.type] ~= nil
@@ -211,7 +218,9 @@ local function ended(plugin, setting, options)
 end
 
 local function runs_and_repeats(plugin, lines, options)
-  for _, setting in ipairs(actor.settings(plugin)) do
+  local settings = actor.settings(plugin)
+  for k, setting in ipairs(settings) do
+    if k > 1 and options and options.quiet then return end -- an output: that it changes nothing is tried in each of them
     lines:at("%s", setting.name)
     if pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0 } end) then
       local one = ended(plugin, setting, options)

@@ -121,12 +121,10 @@ local function closes_its_files(plugin, lines)
     actor.settings(plugin) -- has a run of its own
     local before = watching.files()
     actor.frees(lines, function()
-      for _ = 1, 3 do
-        each(plugin, lines, function(a)
-          watching.into(a, folder)
-          show(a, { 3, 3 }, "ok", function() end)
-        end)
-      end
+      each(plugin, lines, function(a)
+        watching.into(a, folder)
+        show(a, { 3, 3 }, "ok", function() end)
+      end)
     end)
     local left = watching.files() - before
     if left > 0 then lines:wrong(("%d files are open after the runs"):format(left), "close them in `close` and `destroy`") end
