@@ -103,7 +103,7 @@ static void faults_of_correctors_are_found(void **state) {
 
 static void faults_of_sources_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("source", 13);
+  each_fault_has_its_sentence("source", 21);
 }
 
 static void faults_of_solvers_are_found(void **state) {

@@ -224,9 +224,12 @@ local function runs_and_repeats(plugin, lines, options)
     lines:at("%s", setting.name)
     if pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0 } end) then
       local one = ended(plugin, setting, options)
-      if one ~= ended(plugin, setting, options) then
-        lines:wrong("two runs differ", "keep nothing outside the instance, initialise what you read, and take random"
-          .. " numbers from host->random")
+      inspect.clock(1e5) -- s, that the plugin's clocks are ahead in the second run
+      local again = ended(plugin, setting, options)
+      inspect.clock(0)
+      if one ~= again then
+        lines:wrong("two runs differ", "keep nothing outside the instance, initialise what you read, ask no clock, and take"
+          .. " random numbers from host->random")
       end
       local more = {}
       for key, value in pairs(options or {}) do more[key] = value end
@@ -271,6 +274,60 @@ function actor.frees(lines, body)
   end
 end
 
+local FEW <const> = 3 -- allocations in half a second's steps, of what has to grow once
+
+-- Files and the heap, in the steps of a run.
+local function steps_take_nothing(plugin, lines, options)
+  local told = false
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s", setting.name)
+    local scene
+    local fine = pcall(function()
+      scene = actor.scene(plugin, setting.values, options)
+      scene:run { to = 0.5 }
+    end)
+    if fine and not told then
+      local files, heap = inspect.files(), inspect.heap()
+      pcall(scene.run, scene, { to = 1 })
+      local opened, taken = inspect.files() - files, inspect.heap() - heap
+      told = opened > 0 or taken > FEW
+      if opened > 0 then
+        lines:wrong(("it opens files in a step: %d times in 0.5 s"):format(opened), "open files in `create`")
+      elseif taken > FEW then
+        lines:wrong(("it allocates in a step: %d times in 0.5 s"):format(taken), "allocate in `create` and `topology`, and"
+          .. " more than is needed, so that it is seldom")
+      end
+    end
+  end
+end
+
+local CROWD <const> = 2000 -- particles
+
+-- Many particles about the few that lists name, for loops that are cut and memory that grows.
+local function crowd()
+  local positions, random = {}, actor.random(4)
+  for k, x in ipairs(actor.POSITIONS) do positions[k] = x end
+  for k = #positions + 1, CROWD do positions[k] = { 6 * random(), 6 * random(), 6 * random() } end
+  return positions
+end
+
+local function the_same_in_a_crowd(plugin, lines, options)
+  local more, first = {}, nil
+  for key, value in pairs(options or {}) do more[key] = value end
+  more.positions, more.duration = crowd(), 0.05
+  for _, threads in ipairs { 1, 2, 3 } do
+    more.threads = threads
+    lines:at("%d particles, %d threads", CROWD, threads)
+    local fine, packed = pcall(ended, plugin, actor.settings(plugin)[1], more)
+    if not fine then return end -- a scene of particles strewn about is not what every plugin can begin with
+    if first and packed ~= first then
+      return lines:wrong(("the bits differ with %d threads"):format(threads), "cut loops by count and grain, and sum chunks in"
+        .. " their order")
+    end
+    first = packed
+  end
+end
+
 -- What every kind owes the host: memory, errors, messages. options: those of the scene; keeps_nothing: it is
 -- of a kind that has nothing to keep in a checkpoint.
 function actor.habits(plugin, try, options)
@@ -281,6 +338,12 @@ function actor.habits(plugin, try, options)
     try("a run goes on from a checkpoint as if it had not stopped", function(lines)
       goes_on_from_a_checkpoint(plugin, lines, options)
     end)
+  end
+  if not (options and options.quiet) and not plugin.scene then
+    if plugin.kind ~= "solver" then
+      try("it opens no files and takes no memory in steps", function(lines) steps_take_nothing(plugin, lines, options) end)
+    end
+    try("the same bits in a crowd, with 1 to 3 threads", function(lines) the_same_in_a_crowd(plugin, lines, options) end)
   end
   try("it frees what it takes from the heap", function(lines)
     actor.each(plugin, lines, function(_, _, run)
