@@ -93,12 +93,12 @@ static void each_fault_has_its_sentence(const char *kind, size_t least) {
 
 static void faults_of_constraints_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("constraint", 20);
+  each_fault_has_its_sentence("constraint", 21);
 }
 
 static void faults_of_correctors_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("corrector", 18);
+  each_fault_has_its_sentence("corrector", 24);
 }
 
 static void faults_of_sources_are_found(void **state) {

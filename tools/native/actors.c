@@ -140,6 +140,7 @@ static int correct(lua_State *L) {
   hk_table_push(L, c.v, 3 * a->n);
   lua_setfield(L, -2, "v");
   hk_table_set(L, "work", c.work);
+  hk_table_set(L, "part", c.part);
   lua_pushboolean(L, c.changed);
   lua_setfield(L, -2, "changed");
   lua_pushboolean(L, c.reject);

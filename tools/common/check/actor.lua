@@ -105,7 +105,7 @@ end
 
 local scenes = 0
 
--- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, threads, without,
+-- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, masses, threads, without,
 -- allocations.
 function actor.scene(plugin, values, options)
   options = options or {}
@@ -122,7 +122,7 @@ function actor.scene(plugin, values, options)
   scene:channel("heat", { initial = 0.4 })
   local points, masses, velocities = options.positions or actor.POSITIONS, {}, {}
   for i = 1, #points do
-    masses[i] = 0.7 + 0.1 * (i % 5)
+    masses[i] = options.masses and options.masses[i] or 0.7 + 0.1 * (i % 5)
     velocities[i] = options.velocities and options.velocities[i]
       or { 0.4 * math.sin(3.3 * i), 0.4 * math.sin(1.9 * i), 0.4 * math.sin(2.7 * i) }
   end
@@ -163,6 +163,17 @@ function actor.each(plugin, lines, body, options)
     else refused = refused or actor.plain(run) end
   end
   if taken == 0 then error(refused, 0) end
+end
+
+-- An actor in a run of its own, where services serve it alone; nil: the setting is refused. The second result has to live as
+-- long.
+function actor.fresh(plugin, setting, options)
+  local scene
+  local fine, run = pcall(function()
+    scene = actor.scene(plugin, setting.values, options)
+    return scene:run { to = 0 }
+  end)
+  if fine then return actors.open(run, plugin.kind), { run, scene } end
 end
 
 -- ---- states ----
@@ -301,23 +312,23 @@ local function steps_take_nothing(plugin, lines, options)
   end
 end
 
-local CROWD <const> = 2000 -- particles
+actor.CROWD = 2000 -- particles
 
 -- Many particles about the few that lists name, for loops that are cut and memory that grows.
-local function crowd()
+function actor.crowd()
   local positions, random = {}, actor.random(4)
   for k, x in ipairs(actor.POSITIONS) do positions[k] = x end
-  for k = #positions + 1, CROWD do positions[k] = { 6 * random(), 6 * random(), 6 * random() } end
+  for k = #positions + 1, actor.CROWD do positions[k] = { 6 * random(), 6 * random(), 6 * random() } end
   return positions
 end
 
 local function the_same_in_a_crowd(plugin, lines, options)
   local more, first = {}, nil
   for key, value in pairs(options or {}) do more[key] = value end
-  more.positions, more.duration = crowd(), 0.05
+  more.positions, more.duration = actor.crowd(), 0.05
   for _, threads in ipairs { 1, 2, 3 } do
     more.threads = threads
-    lines:at("%d particles, %d threads", CROWD, threads)
+    lines:at("%d particles, %d threads", actor.CROWD, threads)
     local fine, packed = pcall(ended, plugin, actor.settings(plugin)[1], more)
     if not fine then return end -- a scene of particles strewn about is not what every plugin can begin with
     if first and packed ~= first then

@@ -143,8 +143,13 @@ end
 
 -- Beside another instance, asked in turn with it, it bears what it bears alone.
 local function keeps_to_its_instance(plugin, lines)
-  actor.each(plugin, lines, function(_, _, run)
-    local function fresh() return actors.open(run, plugin.kind, "behind", true) end
+  actor.each(plugin, lines, function(_, setting)
+    local kept = {} -- the runs
+    local function fresh()
+      local a, run = actor.fresh(plugin, setting)
+      kept[#kept + 1] = run
+      return a
+    end
     local alone, one, other, list = born(fresh(), 0.05, 40), fresh(), fresh(), {}
     local rest = {}
     for k = 1, #actors.state(one).v do rest[k] = 0 end
