@@ -113,7 +113,7 @@ static void faults_of_solvers_are_found(void **state) {
 
 static void faults_of_outputs_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("output", 12);
+  each_fault_has_its_sentence("output", 18);
 }
 
 static void faults_of_services_are_found(void **state) {
