@@ -1,7 +1,7 @@
 /* sharing: what the services neighbours/1, octree/1 and bvh/1 answer at places made here, against a plain search over
  * all, for `hooke check`. A function of it returns nil, or what is wrong in a sentence; and what was asked. */
 #include "tools/native/common/actor.h"
-#include "tools/native/common/crowd.h"
+#include "tools/native/common/places.h"
 #include "tools/native/common/plain_search.h"
 
 #include <stdlib.h>
@@ -11,15 +11,15 @@ typedef struct question {
   hk_actor *actor;
   double *x;        /* n x 3 */
   const char *what; /* was asked last */
-  hk_crowd crowd;
+  hk_places places;
 } question;
 
 /* ask(actor, shape, seed): n as the actor's scene has. */
 static question ask(lua_State *L) {
-  question q = {.actor = hk_actor_at(L, 1), .crowd = {.shape = luaL_checkoption(L, 2, NULL, hk_crowd_names)}};
-  q.crowd.seed = (uint64_t)luaL_checkinteger(L, 3);
+  question q = {.actor = hk_actor_at(L, 1), .places = {.shape = luaL_checkoption(L, 2, NULL, hk_places_names)}};
+  q.places.seed = (uint64_t)luaL_checkinteger(L, 3);
   q.x = hk_table_memory(L, 3 * q.actor->n);
-  hk_crowd_place(&q.crowd, q.x, q.actor->n);
+  hk_places_put(&q.places, q.x, q.actor->n);
   return q;
 }
 
@@ -54,7 +54,7 @@ static const double move_size[MOVES] = {0, 0.001, 0.03, 0.03, 0.1, 0.5, 0, 0};
 
 static void move(question *q, int k, double radius) {
   q->what = move_name[k];
-  hk_crowd_move(&q->crowd, q->x, q->actor->n, move_size[k] * radius);
+  hk_places_move(&q->places, q->x, q->actor->n, move_size[k] * radius);
   if (k == 6 && q->actor->n) q->x[3 * (q->actor->n / 2)] += 0.9 * radius;
 }
 
@@ -125,9 +125,9 @@ static int lost(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
   double *x = hk_table_memory(L, 3 * a->n);
   const char *interface = a->instance->plugin->service->interface;
-  hk_crowd crowd = {.shape = 0, .seed = 5};
+  hk_places places = {.shape = 0, .seed = 5};
   hk_status status = HK_OK;
-  hk_crowd_place(&crowd, x, a->n);
+  hk_places_put(&places, x, a->n);
   x[3 * (a->n / 2) + 1] = NAN;
   hk_guard_enter(interface);
   if (strcmp(interface, "neighbours/1") == 0) {
@@ -183,8 +183,8 @@ static int bvh(lua_State *L) {
 /* shapes() -> the names of the places. */
 static int shapes(lua_State *L) {
   lua_newtable(L);
-  for (int k = 0; hk_crowd_names[k]; k++) {
-    lua_pushstring(L, hk_crowd_names[k]);
+  for (int k = 0; hk_places_names[k]; k++) {
+    lua_pushstring(L, hk_places_names[k]);
     lua_rawseti(L, -2, k + 1);
   }
   return 1;

@@ -3,6 +3,7 @@
 local actors = require("actors")
 local actor = require("common.check.actor")
 local population = require("common.check.population")
+local whole_runs = require("common.check.whole_runs")
 
 local ONE_SIDED = 1
 
@@ -204,5 +205,5 @@ return function(plugin, report)
   try("finite at degenerate positions", function(l) degenerate(plugin, l) end)
   try("births and deaths", function(l) population.follows(plugin, l, answers) end)
   try("a run keeps it", function(l) run(plugin, l) end)
-  actor.habits(plugin, try)
+  whole_runs.habits(plugin, try)
 end

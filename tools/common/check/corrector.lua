@@ -3,6 +3,7 @@
 local actors = require("actors")
 local actor = require("common.check.actor")
 local population = require("common.check.population")
+local whole_runs = require("common.check.whole_runs")
 
 local WANTS_BEFORE, REPORTS_WORK, MAY_REJECT = 1, 2, 4 -- hk_corrector.flags
 local H = 0.01 -- s, the step that has been taken
@@ -263,5 +264,5 @@ return function(plugin, report)
     population.follows(plugin, l, function(a, start) return said(correct(a, start)) end)
   end)
   try("a run with it comes to its end", function(l) falls(plugin, l) end)
-  actor.habits(plugin, try, { gravity = true })
+  whole_runs.habits(plugin, try, { gravity = true })
 end

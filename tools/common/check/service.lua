@@ -5,6 +5,7 @@ local inspect = require("inspect")
 local members = require("members")
 local sharing = require("sharing")
 local actor = require("common.check.actor")
+local whole_runs = require("common.check.whole_runs")
 
 local function has_a_version(plugin, lines, interface)
   local name, version = interface:match("^([%a_][%w_]*)/(%d+)$")
@@ -135,5 +136,5 @@ return function(plugin, report)
     known("its answers after births and deaths", follows_births_and_deaths)
     if plugin.interface ~= "bvh/1" then known("places that are no numbers", names_the_lost) end
   else report:note(("what %s answers is not compared: hooke knows no plain search for it"):format(plugin.interface)) end
-  actor.habits(plugin, try)
+  whole_runs.habits(plugin, try)
 end

@@ -2,6 +2,7 @@
 -- numbers that do not hang on the step.
 local actors = require("actors")
 local actor = require("common.check.actor")
+local whole_runs = require("common.check.whole_runs")
 
 local MANY = 100000 -- births in a step, above which nobody can have meant it
 
@@ -224,5 +225,5 @@ return function(plugin, report)
   try("births of a step are bounded", function(l) few_at_a_time(plugin, l) end)
   try("a scene without particles", function(l) empty_scene(plugin, l) end)
   try("a run with it comes to its end", function(l) run(plugin, l) end)
-  actor.habits(plugin, try)
+  whole_runs.habits(plugin, try)
 end

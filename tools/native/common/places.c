@@ -1,13 +1,13 @@
-/* Places of many particles: see crowd.h. Random numbers are those of splitmix64 (Steele, Lea and Flood 2014). */
-#include "tools/native/common/crowd.h"
+/* Places of many particles: see places.h. Random numbers are those of splitmix64 (Steele, Lea and Flood 2014). */
+#include "tools/native/common/places.h"
 
 enum { BOX, LINE, PLANE, HEAP, LATTICE, FAR, TWINS };
 
-const char *const hk_crowd_names[] = {"a box", "a line", "a plane", "a heap", "a lattice", "a box and some far off",
+const char *const hk_places_names[] = {"a box", "a line", "a plane", "a heap", "a lattice", "a box and some far off",
                                       "pairs in one place", NULL};
 
 /* Between 0 and 1. */
-static double random_number(hk_crowd *c) {
+static double random_number(hk_places *c) {
   uint64_t z = c->seed += 0x9e3779b97f4a7c15;
   z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
   z = (z ^ z >> 27) * 0x94d049bb133111eb;
@@ -15,7 +15,7 @@ static double random_number(hk_crowd *c) {
 }
 
 /* The k-th number of particle i. */
-static double place(hk_crowd *c, size_t i, int k) {
+static double place(hk_places *c, size_t i, int k) {
   double u = random_number(c);
   switch (c->shape) {
   case LINE: return k == 0 ? 20 * u : 0;
@@ -27,7 +27,7 @@ static double place(hk_crowd *c, size_t i, int k) {
   }
 }
 
-void hk_crowd_place(hk_crowd *c, double *x, size_t n) {
+void hk_places_put(hk_places *c, double *x, size_t n) {
   for (size_t i = 0; i < n; i++)
     for (int k = 0; k < 3; k++) {
       size_t e = 3 * i + (size_t)k;
@@ -35,6 +35,6 @@ void hk_crowd_place(hk_crowd *c, double *x, size_t n) {
     }
 }
 
-void hk_crowd_move(hk_crowd *c, double *x, size_t n, double most) {
+void hk_places_move(hk_places *c, double *x, size_t n, double most) {
   for (size_t e = 0; e < 3 * n && most > 0; e++) x[e] += 0.577 * most * (2 * random_number(c) - 1);
 }
