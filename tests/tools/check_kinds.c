@@ -48,7 +48,7 @@ static void every_fixture_that_is_right_passes(void **state) {
   static const char *const fixtures[][2] = {
       {"bar", ""},     {"ground", ""},          {"telescope", ""}, {"stretching_bar", "rate=0"},
       {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"spout", "every=0.25"},
-      {"witness", ""}, {"counting_solver", ""},
+      {"witness", ""}, {"counting_solver", ""}, {"lennard_jones", ""}, {"triples", ""},
   };
   char path[512];
   for (size_t k = 0; k < sizeof fixtures / sizeof *fixtures; k++) {

@@ -110,10 +110,9 @@ function whole_runs.habits(plugin, try, options)
       goes_on_from_a_checkpoint(plugin, lines, options)
     end)
   end
-  if not (options and options.quiet) and not plugin.scene then
-    if plugin.kind ~= "solver" then
-      try("it opens no files and takes no memory in steps", function(lines) steps_take_nothing(plugin, lines, options) end)
-    end
+  -- An output takes files; a solver may need the third power of a crowd in time.
+  if not (options and options.quiet) and not plugin.scene and plugin.kind ~= "solver" then
+    try("it opens no files and takes no memory in steps", function(lines) steps_take_nothing(plugin, lines, options) end)
     try("the same bits in a crowd, with 1 to 3 threads", function(lines) the_same_in_a_crowd(plugin, lines, options) end)
   end
   try("it frees what it takes from the heap", function(lines)

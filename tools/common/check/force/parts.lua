@@ -12,7 +12,7 @@ local parts = {}
 local ROUNDING = 1e-12 -- of sums in another order, on particles with some dozen elements
 
 local LARGE = 66000 -- particles
-local SLOW = 0.02 -- s, of 2500 particles by their parts: then that many, which may take 700 times as long, are not tried
+local SLOW = 0.02 -- s, of 10,000 particles by their parts: then that many, which may take 44 times as long, are not tried
 
 local function shapes() return { cases.chain(2500), cases.sheet(64, 130) } end
 
@@ -102,7 +102,7 @@ local function add_up(plugin, lines)
     end
     with_births(lines, found, plugin, case, { only = some })
   end
-  if seconds_of(plugin, cases.variant(base, cases.chain(2500))) < SLOW then in_a_large_scene(lines, found, plugin, base) end
+  if seconds_of(plugin, cases.variant(base, cases.chain(10000))) < SLOW then in_a_large_scene(lines, found, plugin, base) end
   tell_of_strangers(lines, found.written, found.used)
   if found.used then return end -- the sums are not finite either
   lines:most("the parts add up to its force", found.sums.figure, ROUNDING,
