@@ -7,8 +7,8 @@ local worst = require("common.check.force.worst")
 
 local large = {}
 
-local LONG, WINDOW, END = 9001, 1400, 100 -- particles; the forces of END at each end are not compared
-local ROUNDING = 1e-9 -- of coordinates up to 9001 m
+local LONG, WINDOW, END = 5001, 1400, 100 -- particles; the forces of END at each end are not compared
+local ROUNDING = 1e-9 -- of coordinates up to 5001 m
 local DULL = 20 -- masses, numbers of tuples and lists repeat themselves after so many particles
 
 -- The particles first to last of a shape, with the tuples among them, in their order.
@@ -47,13 +47,14 @@ local function state_of(shape, n, first, count)
 end
 
 -- The force on the particles first to last of the shape, in a scene of them alone; nil: it is refused.
-local function force_in(plugin, base, shape, first, last)
+local function force_in(plugin, lines, base, shape, first, last)
   local whole = first == 1 and last == #shape.positions
   local run = cases.open(plugin, cases.variant(base, whole and shape or window_of(shape, first, last)))
   if not run then return nil end
   local subject = inspect.open(run, plugin.name)
   local state = state_of(shape, #shape.positions, first, last - first + 1)
   if #inspect.state(subject).y ~= #state.y then return nil end
+  lines:at("%s", lines.place) -- making it may have taken long
   inspect.set(subject, state)
   local F = inspect.force(subject, 0, 0)
   inspect.destroy(run)
@@ -71,10 +72,10 @@ local function differ(F, part, first, last, n, left_out)
   return worst.difference(a, b)
 end
 
-local function is_local(plugin, base)
+local function is_local(plugin, lines, base)
   local short = cases.chain(3 * DULL)
-  local whole = force_in(plugin, base, short, 1, 3 * DULL)
-  local part = whole and force_in(plugin, base, short, DULL + 1, 3 * DULL)
+  local whole = force_in(plugin, lines, base, short, 1, 3 * DULL)
+  local part = whole and force_in(plugin, lines, base, short, DULL + 1, 3 * DULL)
   return part and differ(whole, part, DULL + 1, 3 * DULL, 3 * DULL, DULL // 2) <= ROUNDING
 end
 
@@ -83,15 +84,15 @@ local function adds_up_in_chunks(plugin, lines)
   for _, case in ipairs(cases.list(plugin)) do base = base or (case.setting and case.few and case) end
   if not base or base.setting.each then return end
   lines:at("a chain of %d, and a window of it", 3 * DULL)
-  if not is_local(plugin, base) then return end
+  if not is_local(plugin, lines, base) then return end
   local long, first = cases.chain(LONG), 1
   lines:at(long.name)
-  local F = force_in(plugin, base, long, 1, LONG)
+  local F = force_in(plugin, lines, base, long, 1, LONG)
   while F and first < LONG do
     local last = math.min(first + WINDOW - 1, LONG)
     if LONG - last < 3 * END then last = LONG end
     lines:at("a %s, and its particles %d to %d alone", long.name, first, last)
-    local part = force_in(plugin, base, long, first, last)
+    local part = force_in(plugin, lines, base, long, first, last)
     local figure, text = 0, nil
     if part then figure, text = differ(F, part, first, last, LONG, END) end
     if figure > ROUNDING or figure ~= figure then
