@@ -1,5 +1,5 @@
 -- What the checks of constraints, correctors, sources, solvers, outputs and services share: the scene in which a plugin
--- is tried, values for its parameters, and the properties that a whole run shows.
+-- is tried, values for its parameters, and states.
 local inspect = require("inspect")
 local actors = require("actors")
 local watching = require("watching")
