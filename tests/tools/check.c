@@ -2,9 +2,15 @@
  * names it (check_faults.h). The longest tables, and the plugins of the build, are in check_long.c. */
 #include "tests/tools/check_faults.h"
 
+/* Its right one takes memory of malloc in `create` and frees it in `destroy`. */
+static void faults_of_habits_are_named(void **state) {
+  (void)state;
+  right_and_wrong("habits", 13);
+}
+
 static void faults_of_parts_are_named(void **state) {
   (void)state;
-  right_and_wrong("parts", 7);
+  right_and_wrong("parts", 10);
 }
 
 static void faults_of_contact_are_named(void **state) {
@@ -14,17 +20,37 @@ static void faults_of_contact_are_named(void **state) {
 
 static void faults_of_histories_are_named(void **state) {
   (void)state;
-  right_and_wrong("multistep", 6);
+  right_and_wrong("multistep", 7);
 }
 
 static void faults_of_adaptive_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong("adaptive", 7);
+  right_and_wrong("adaptive", 10);
+}
+
+static void faults_of_tiles_are_named(void **state) {
+  (void)state;
+  right_and_wrong("tiles", 7);
 }
 
 static void faults_of_implicit_methods_are_named(void **state) {
   (void)state;
   right_and_wrong("implicit", 5);
+}
+
+static void faults_of_neighbours_are_named(void **state) {
+  (void)state;
+  right_and_wrong("neighbours", 13);
+}
+
+static void faults_of_octrees_are_named(void **state) {
+  (void)state;
+  right_and_wrong("octree", 10);
+}
+
+static void faults_of_trees_of_boxes_are_named(void **state) {
+  (void)state;
+  right_and_wrong("bvh", 5);
 }
 
 static void what_cannot_be_checked_is_said(void **state) {
@@ -49,11 +75,16 @@ static void what_cannot_be_checked_is_said(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(faults_of_habits_are_named),
       cmocka_unit_test(faults_of_parts_are_named),
       cmocka_unit_test(faults_of_contact_are_named),
       cmocka_unit_test(faults_of_histories_are_named),
       cmocka_unit_test(faults_of_adaptive_methods_are_named),
+      cmocka_unit_test(faults_of_tiles_are_named),
       cmocka_unit_test(faults_of_implicit_methods_are_named),
+      cmocka_unit_test(faults_of_neighbours_are_named),
+      cmocka_unit_test(faults_of_octrees_are_named),
+      cmocka_unit_test(faults_of_trees_of_boxes_are_named),
       cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

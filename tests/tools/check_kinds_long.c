@@ -48,7 +48,7 @@ static void every_fixture_that_is_right_passes(void **state) {
   static const char *const fixtures[][2] = {
       {"bar", ""},     {"ground", ""},          {"telescope", ""}, {"stretching_bar", "rate=0"},
       {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"spout", "every=0.25"},
-      {"witness", ""}, {"counting_solver", ""},
+      {"witness", ""}, {"counting_solver", ""}, {"lennard_jones", ""}, {"triples", ""},
   };
   char path[512];
   for (size_t k = 0; k < sizeof fixtures / sizeof *fixtures; k++) {
@@ -93,27 +93,27 @@ static void each_fault_has_its_sentence(const char *kind, size_t least) {
 
 static void faults_of_constraints_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("constraint", 20);
+  each_fault_has_its_sentence("constraint", 21);
 }
 
 static void faults_of_correctors_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("corrector", 18);
+  each_fault_has_its_sentence("corrector", 24);
 }
 
 static void faults_of_sources_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("source", 13);
+  each_fault_has_its_sentence("source", 21);
 }
 
 static void faults_of_solvers_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("solver", 17);
+  each_fault_has_its_sentence("solver", 18);
 }
 
 static void faults_of_outputs_are_found(void **state) {
   (void)state;
-  each_fault_has_its_sentence("output", 12);
+  each_fault_has_its_sentence("output", 18);
 }
 
 static void faults_of_services_are_found(void **state) {

@@ -38,7 +38,7 @@ static void faults_of_forces_are_named(void **state) {
 
 static void faults_of_explicit_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong("integrator", 40);
+  right_and_wrong("integrator", 42);
 }
 
 int main(void) {

@@ -36,12 +36,19 @@ static int flags(lua_State *L) {
   const hk_plugin *p = plugin_of(a);
   lua_pushinteger(L, p->kind == HK_CONSTRAINT  ? (lua_Integer)p->constraint->flags
                      : p->kind == HK_CORRECTOR ? (lua_Integer)p->corrector->flags
+                     : p->kind == HK_SOURCE    ? (lua_Integer)p->source->flags
                                                : 0);
   lua_newtable(L);
   lua_pushboolean(L, (p->kind == HK_CONSTRAINT && p->constraint->speed) ||
                          (p->kind == HK_CORRECTOR && p->corrector->violation));
   lua_setfield(L, -2, p->kind == HK_CONSTRAINT ? "speed" : "violation");
   return 2;
+}
+
+/* reverse(actor): see hk_reverse_chunks. */
+static int reverse(lua_State *L) {
+  hk_reverse_chunks(hk_actor_at(L, 1)->instance);
+  return 0;
 }
 
 /* ---- constraints ---- */
@@ -133,6 +140,7 @@ static int correct(lua_State *L) {
   hk_table_push(L, c.v, 3 * a->n);
   lua_setfield(L, -2, "v");
   hk_table_set(L, "work", c.work);
+  hk_table_set(L, "part", c.part);
   lua_pushboolean(L, c.changed);
   lua_setfield(L, -2, "changed");
   lua_pushboolean(L, c.reject);
@@ -154,7 +162,7 @@ static int violation(lua_State *L) {
 typedef struct recorded {
   hk_population population;
   lua_State *L;
-  size_t n, most; /* most: births that succeed */
+  size_t n, most, channels; /* most: births that succeed; channels: numbers of a particle */
   lua_Integer births, deaths;
   bool refused;
 
@@ -174,6 +182,8 @@ static hk_status add(hk_population *population, const hk_birth *b, uint32_t *id)
   lua_setfield(r->L, -2, "x");
   hk_table_push(r->L, b->velocity, 3);
   lua_setfield(r->L, -2, "v");
+  hk_table_push(r->L, b->channel, b->channel ? r->channels : 0);
+  lua_setfield(r->L, -2, "channels");
   lua_rawseti(r->L, -3, ++r->births);
   if (id) *id = r->next_id++;
   return HK_OK;
@@ -207,6 +217,7 @@ static int emit(lua_State *L) {
   lua_newtable(L);
   luaL_checkstack(L, 10, NULL);
   recorded r = {.population = {add, take, add_aged}, .L = L, .n = a->n, .most = most, .next_id = 1000};
+  r.channels = a->run->state.width;
   hk_guard_enter("emit");
   hk_status status = plugin_of(a)->source->emit(a->instance->self, &a->view, h, &r.population);
   push_status(L, a, status);
@@ -264,7 +275,7 @@ int luaopen_actors(lua_State *L) {
                                        {"state", state},        {"flags", flags},          {"equations", equations},
                                        {"value", value},        {"curvature", curvature},  {"speed", speed},
                                        {"jacobian", jacobian},  {"correct", correct},      {"violation", violation},
-                                       {"emit", emit},          {"groups", groups},        {"table", table},
+                                       {"emit", emit},          {"reverse", reverse},             {"groups", groups},        {"table", table},
                                        {"serve", serve},        {"interface", interface},  {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;

@@ -1,6 +1,7 @@
 /* inspect: evaluates one force of a scene directly, for `hooke check`: F, energy, Jacobians, and central differences of
  * them. What is right is decided in Lua (common/check). */
 #include "tools/native/common/imports.h"
+#include "tools/native/common/outside.h"
 #include "tools/native/common/subject.h"
 
 #include <dlfcn.h>
@@ -67,6 +68,17 @@ static int get_heap(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)heap.allocated);
   lua_pushinteger(L, (lua_Integer)heap.freed);
   return 2;
+}
+
+/* clock(seconds): the plugin's clocks are ahead by so much. files() -> how many files it has opened. */
+static int set_clock(lua_State *L) {
+  hk_outside_shift(luaL_checknumber(L, 1));
+  return 0;
+}
+
+static int get_files(lua_State *L) {
+  lua_pushinteger(L, (lua_Integer)hk_outside_files());
+  return 1;
 }
 
 /* ---- the state ---- */
@@ -326,6 +338,8 @@ int luaopen_inspect(lua_State *L) {
                                        {"watch", watch},
                                        {"fill", set_fill},
                                        {"heap", get_heap},
+                                       {"clock", set_clock},
+                                       {"files", get_files},
                                        {"open", hk_subject_open},
                                        {"state", get_state},
                                        {"set", set_state},

@@ -74,6 +74,7 @@ static void exchange(hk_system *s) {
 }
 
 static hk_status tile(hk_system *s, hk_tile_step *step, size_t count) {
+  for (size_t k = 0; k < count && !probe.within; k++) note(step[k].t);
   HOST(EVALUATIONS, probe.real.tile(s, step, count));
 }
 
@@ -257,47 +258,64 @@ static int run_steps(lua_State *L) {
   return 1;
 }
 
-/* tile(run, { t =, h =, steps =, at_once = }) -> X after steps of h from the run's state, at most so many of them at
- * once; how many were taken at once in all; whether X was changed before its end; status. */
+/* `count` steps of h from s->t by the facet tile; what it sets `count` to. Where it takes none, one by `step`. */
+static hk_status take_tile(const hk_instance *m, hk_system *s, double h, size_t *count, double *kept, bool *changed) {
+  const hk_integrator_tables *tables = hk_integrator_of(m->plugin);
+  const hk_integrator *method = &tables->own;
+  double t[HK_TILE_STEPS];
+  hk_status status = HK_OK;
+  size_t asked = *count;
+  for (size_t i = 0; i < asked; i++) t[i] = s->t + (double)(i + 1) * h;
+  memcpy(kept, s->X, s->size * sizeof *kept);
+  hk_guard_enter("tile");
+  if (asked > 0) status = tables->tile.steps(m->self, method->method, s, t, h, count);
+  hk_guard_enter(NULL);
+  *changed |= memcmp(kept, s->X, s->size * sizeof *kept) != 0;
+  if (*count == 0) {
+    hk_step out = {h, NAN, NAN};
+    hk_guard_enter("step");
+    status = method->step(m->self, method->method, s, s->t + h, h, &out);
+    hk_guard_enter(NULL);
+  } else if (status == HK_OK) {
+    memcpy(s->X, s->spare, s->size * sizeof *kept);
+  }
+  if (*count > asked && asked > 0) status = hk_error_set(&probe.run->error, HK_FAILED, "it takes more than asked for");
+  return status;
+}
+
+/* tile(run, { t =, h =, steps =, lengths = {...} }) -> X after steps of h from the run's state, in tiles of these lengths in
+ * turn, 0: a step alone; how many were taken in tiles; whether X was changed before its end; status; the
+ * times of evaluations. */
 static int tiles(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   hk_instance *m = method_of(L);
-  const hk_integrator_tables *tables = hk_integrator_of(m->plugin);
-  const hk_integrator *method = &tables->own;
   hk_system *s = take_over(L, run, HK_GUARD_BEHIND);
-  size_t steps = (size_t)option(L, "steps", 1), at_once = (size_t)option(L, "at_once", 1), size = s->size, taken = 0;
+  size_t steps = (size_t)option(L, "steps", 1), size = s->size, taken = 0, lengths, turn = 0;
   double h = option(L, "h", 0.01), t0 = option(L, "t", 0), *kept = hk_table_memory(L, size);
   bool changed = false;
   hk_status status = HK_OK;
   probe.fail_at = 0;
   memcpy(probe.X.at, run->state.X, size * sizeof(double));
-  for (size_t k = 0; k < steps && status == HK_OK;) {
-    double t[HK_TILE_STEPS];
-    size_t count = steps - k < at_once ? steps - k : at_once;
+  lua_getfield(L, 2, "lengths");
+  lengths = lua_rawlen(L, -1);
+  for (size_t k = 0; k < steps && status == HK_OK; turn++) {
+    lua_rawgeti(L, -1, (lua_Integer)(turn % lengths) + 1);
+    size_t count = (size_t)lua_tointeger(L, -1);
+    lua_pop(L, 1);
+    if (count > steps - k) count = steps - k;
     s->t = t0 + (double)k * h;
-    memcpy(kept, s->X, size * sizeof *kept);
-    for (size_t i = 0; i < count; i++) t[i] = t0 + (double)(k + i + 1) * h;
-    hk_guard_enter("tile");
-    status = tables->tile.steps(m->self, method->method, s, t, h, &count);
-    hk_guard_enter(NULL);
-    changed |= memcmp(kept, s->X, size * sizeof *kept) != 0;
-    if (count == 0) {
-      hk_step out = {h, NAN, NAN};
-      hk_guard_enter("step");
-      status = method->step(m->self, method->method, s, t[0], h, &out);
-      hk_guard_enter(NULL);
-    } else {
-      memcpy(s->X, s->spare, size * sizeof *kept);
-    }
+    status = take_tile(m, s, h, &count, kept, &changed);
     taken += count;
     k += count ? count : 1;
   }
+  lua_pop(L, 1);
   hk_table_push(L, probe.X.at, size);
   lua_pushinteger(L, (lua_Integer)taken);
   lua_pushboolean(L, changed);
   lua_pushinteger(L, status);
+  hk_table_push(L, probe.time, probe.times);
   give_back(s);
-  return 4;
+  return 5;
 }
 
 /* reset(run, "particles", "state" or "step") */

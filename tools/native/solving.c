@@ -79,15 +79,29 @@ static int push_status(lua_State *L, hk_actor *a, hk_status status) {
 
 static const hk_solver *solver_of(const hk_actor *a) { return a->instance->plugin->solver; }
 
+/* A matrix is there during the calls alone that get it. */
+static void show(guarded_matrix *m, bool there) {
+  hk_guarded *const all[] = {&m->row_start, &m->column, &m->value};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+    if (there)
+      hk_guard_allow(all[k], false);
+    else
+      hk_guard_shut(all[k]);
+  }
+}
+
 /* factorize(actor, matrix, whether its pattern is new) -> status, what it said */
 static int factorize(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
-  const hk_matrix *A = &matrix_at(L, 2)->A;
+  guarded_matrix *m = matrix_at(L, 2);
+  const hk_matrix *A = &m->A;
   hk_status status = HK_OK;
+  show(m, true);
   hk_guard_enter("analyze");
   if (lua_toboolean(L, 3) && solver_of(a)->analyze) status = solver_of(a)->analyze(a->instance->self, A);
   hk_guard_enter("factorize");
   if (status == HK_OK) status = solver_of(a)->factorize(a->instance->self, A);
+  show(m, false);
   return push_status(L, a, status);
 }
 

@@ -122,6 +122,20 @@ static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_fr
   return view;
 }
 
+/* As in a run, the plugin's fields follow births and deaths, and it hears of them before it sees them: those beyond the
+ * smaller number. */
+static hk_status tell_of_change(lua_State *L, hk_actor *a, const hk_view *view) {
+  size_t old = a->told_of, size = (6 + a->run->state.width) * view->n + 1;
+  if (view->n == old) return HK_OK;
+  uint32_t *map = lua_newuserdatauv(L, (old + 1) * sizeof *map, 0);
+  for (size_t i = 0; i < old; i++) map[i] = i < view->n ? (uint32_t)i : UINT32_MAX;
+  a->told_of = view->n;
+  hk_guard_enter("topology");
+  hk_status status = hk_instance_remap(a->instance, map, old, view, size, &a->run->error);
+  lua_pop(L, 1);
+  return status;
+}
+
 /* begin(actor, n), frame(actor, n, index): with n particles -> whether it was fine, what it said */
 static int begin(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
@@ -129,6 +143,8 @@ static int begin(lua_State *L) {
   hk_frame frame;
   hk_view view = crowd(L, a, (size_t)luaL_checkinteger(L, 2), &model, &frame);
   frame.index = 0;
+  hk_status status = tell_of_change(L, a, &view);
+  if (status != HK_OK) return push_status(L, a, status);
   hk_guard_enter("open");
   return push_status(L, a, output_of(a)->open ? output_of(a)->open(a->instance->self, &view, &frame) : HK_OK);
 }
@@ -140,6 +156,8 @@ static int show(lua_State *L) {
   hk_view view = crowd(L, a, (size_t)luaL_checkinteger(L, 2), &model, &frame);
   frame.index = (size_t)luaL_checkinteger(L, 3);
   view.t = (double)frame.index / frame.fps;
+  hk_status status = tell_of_change(L, a, &view);
+  if (status != HK_OK) return push_status(L, a, status);
   hk_guard_enter("frame");
   return push_status(L, a, output_of(a)->frame(a->instance->self, &view, &frame));
 }

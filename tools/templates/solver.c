@@ -6,9 +6,11 @@
 
 typedef struct NAME {
   const hk_host *host;
-  const hk_matrix *A;
-  size_t n, room; /* numbers per vector; vectors have room for so many */
+  size_t n, rows, block; /* n: numbers per vector */
   double *r, *p, *q, *inverse;
+  size_t *row_start; /* the matrix, copied: A is valid during analyze and factorize alone */
+  uint32_t *column;
+  double *value;
 } NAME;
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -17,25 +19,34 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
+static void *anew(NAME *p, void *old, size_t bytes) {
+  p->host->release(p->host, old);
+  return p->host->allocate(p->host, bytes);
+}
+
 /* Once per pattern: the only place that allocates. */
 static hk_status analyze(void *self, const hk_matrix *A) {
   NAME *p = self;
-  p->n = A->rows * A->block;
-  if (p->n <= p->room) return HK_OK;
-  p->host->release(p->host, p->r);
-  p->r = p->host->allocate(p->host, 4 * p->n * sizeof *p->r);
-  p->room = p->r ? p->n : 0;
-  if (!p->r) return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu unknowns", p->n);
+  size_t blocks = A->row_start[A->rows];
+  p->rows = A->rows, p->block = A->block, p->n = A->rows * A->block;
+  p->r = anew(p, p->r, (4 * p->n + 1) * sizeof *p->r);
+  p->row_start = anew(p, p->row_start, (A->rows + 1) * sizeof *p->row_start);
+  p->column = anew(p, p->column, (blocks + 1) * sizeof *p->column);
+  p->value = anew(p, p->value, (A->block * A->block * blocks + 1) * sizeof *p->value);
+  if (!p->r || !p->row_start || !p->column || !p->value)
+    return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu unknowns", p->n);
   p->p = p->r + p->n;
   p->q = p->p + p->n;
   p->inverse = p->q + p->n;
+  memcpy(p->row_start, A->row_start, (A->rows + 1) * sizeof *p->row_start);
+  memcpy(p->column, A->column, blocks * sizeof *p->column);
   return HK_OK;
 }
 
 static hk_status factorize(void *self, const hk_matrix *A) {
   NAME *p = self;
   size_t b = A->block;
-  p->A = A;
+  memcpy(p->value, A->value, b * b * A->row_start[A->rows] * sizeof *p->value);
   for (size_t i = 0; i < A->rows; i++)
     for (size_t e = A->row_start[i]; e < A->row_start[i + 1]; e++)
       for (size_t c = 0; A->column[e] == i && c < b; c++) {
@@ -47,7 +58,7 @@ static hk_status factorize(void *self, const hk_matrix *A) {
 }
 
 /* y = A x, and returns x.y */
-static double multiply(const hk_matrix *A, const double *x, double *y) {
+static double multiply(const NAME *A, const double *x, double *y) {
   size_t b = A->block;
   double sum = 0;
   for (size_t i = 0; i < A->rows; i++)
@@ -74,7 +85,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   for (size_t e = 0; e < s->n; e++) s->p[e] = s->inverse[e] * s->r[e];
   double rho = weighted(s->r, s->inverse, s->n), left = size;
   for (info->iterations = 0; left > tolerance * tolerance * size; info->iterations++) {
-    double curvature = multiply(s->A, s->p, s->q), before = rho, step = rho / curvature;
+    double curvature = multiply(s, s->p, s->q), before = rho, step = rho / curvature;
     if (!(curvature > 0) || (size_t)info->iterations > 10 * s->n)
       return s->host->fail(s->host, HK_NOT_CONVERGED, "no solution after %d iterations", info->iterations);
     for (size_t e = 0; e < s->n; e++) {

@@ -253,7 +253,10 @@ hk_h5_file *hk_h5_create(const char *path) {
   if (f->file >= 0) {
     f->driver = H5FDregister(&driver);
     hid_t access = f->driver > 0 ? access_by(f) : -1;
-    f->id = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    hid_t create = H5Pcreate(H5P_FILE_CREATE);
+    H5Pset_obj_track_times(create, false); /* of the root group: the same run has the same file */
+    f->id = access < 0 ? -1 : H5Fcreate(path, H5F_ACC_TRUNC, create, access);
+    H5Pclose(create);
     if (access >= 0) H5Pclose(access);
     cause = EIO;
   }

@@ -23,6 +23,7 @@ bool hk_h5_series_create(hk_h5_series *s, hid_t group, const char *name, const h
   hid_t space = H5Screate_simple(rank, size, most), create = H5Pcreate(H5P_DATASET_CREATE);
   hid_t access = keep_chunk((size_t)l->chunk * (l->width ? (size_t)l->width : 1) * H5Tget_size(l->file));
   *s = (hk_h5_series){.set = -1, .memory = l->memory, .width = l->width, .chunk = l->chunk};
+  H5Pset_obj_track_times(create, false); /* the same run has the same file */
   if (H5Pset_chunk(create, rank, chunk) >= 0 && set_filters(create, l->level))
     s->set = H5Dcreate2(group, name, l->file, space, H5P_DEFAULT, create, access);
   H5Sclose(space);
@@ -55,7 +56,11 @@ void hk_h5_series_close(hk_h5_series *s) {
 }
 
 hid_t hk_h5_group(hid_t parent, const char *name) {
-  return H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t create = H5Pcreate(H5P_GROUP_CREATE);
+  H5Pset_obj_track_times(create, false);
+  hid_t group = H5Gcreate2(parent, name, H5P_DEFAULT, create, H5P_DEFAULT);
+  H5Pclose(create);
+  return group;
 }
 
 static bool write_attribute(hid_t attribute, hid_t type, const void *value) {

@@ -1,5 +1,5 @@
 -- What the checks of constraints, correctors, sources, solvers, outputs and services share: the scene in which a plugin
--- is tried, values for its parameters, and the properties that a whole run shows.
+-- is tried, values for its parameters, and states.
 local inspect = require("inspect")
 local actors = require("actors")
 local watching = require("watching")
@@ -37,12 +37,19 @@ local function starts(plugin, values)
   return (pcall(function() return actor.scene(plugin, values):run { to = 0 } end))
 end
 
+-- Pictures are small where they may be: nothing that is checked hangs on their size, and large ones take minutes.
+local function small_picture(p)
+  local pixels = math.max(p.min or 1, math.min(64, p.max or 64))
+  return p.initial[1] > pixels and math.floor(pixels) or nil
+end
+
 -- What a plugin needs, with or without the lists that it may do without: first those that it starts with. The run that
 -- tries that lives as long as the process: it is made once.
 local function find_bases(plugin)
   local whole, bare, optional = {}, {}, false
   for _, p in ipairs(plugin.params) do
     local value = plugin.given[p.name]
+    if value == nil and p.type == "integer" and p.unit == "pixels" then value = small_picture(p) end
     if value == nil and (p.required or lists[p.type]) then value = value_for(p) end
     whole[p.name] = value
     local left_out = plugin.given[p.name] == nil and p.optional and lists[p.type] ~= nil
@@ -98,7 +105,7 @@ end
 
 local scenes = 0
 
--- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, threads, without,
+-- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, masses, threads, without,
 -- allocations.
 function actor.scene(plugin, values, options)
   options = options or {}
@@ -115,7 +122,7 @@ function actor.scene(plugin, values, options)
   scene:channel("heat", { initial = 0.4 })
   local points, masses, velocities = options.positions or actor.POSITIONS, {}, {}
   for i = 1, #points do
-    masses[i] = 0.7 + 0.1 * (i % 5)
+    masses[i] = options.masses and options.masses[i] or 0.7 + 0.1 * (i % 5)
     velocities[i] = options.velocities and options.velocities[i]
       or { 0.4 * math.sin(3.3 * i), 0.4 * math.sin(1.9 * i), 0.4 * math.sin(2.7 * i) }
   end
@@ -156,6 +163,17 @@ function actor.each(plugin, lines, body, options)
     else refused = refused or actor.plain(run) end
   end
   if taken == 0 then error(refused, 0) end
+end
+
+-- An actor in a run of its own, where services serve it alone; nil: the setting is refused. The second result has to live as
+-- long.
+function actor.fresh(plugin, setting, options)
+  local scene
+  local fine, run = pcall(function()
+    scene = actor.scene(plugin, setting.values, options)
+    return scene:run { to = 0 }
+  end)
+  if fine then return actors.open(run, plugin.kind), { run, scene } end
 end
 
 -- ---- states ----
@@ -202,52 +220,6 @@ function actor.degenerate(state)
   return { { "coincident", at_one }, { "collinear", on_line }, { "flat", flat } }
 end
 
--- ---- what a whole run shows ----
-
-local function ended(plugin, setting, options)
-  local scene = actor.scene(plugin, setting.values, options)
-  local run = scene:run()
-  return run:packed(), run:summary()
-end
-
-local function runs_and_repeats(plugin, lines, options)
-  for _, setting in ipairs(actor.settings(plugin)) do
-    lines:at("%s", setting.name)
-    if pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0 } end) then
-      local one = ended(plugin, setting, options)
-      if one ~= ended(plugin, setting, options) then
-        lines:wrong("two runs differ", "keep nothing outside the instance, initialise what you read, and take random"
-          .. " numbers from host->random")
-      end
-      local more = {}
-      for key, value in pairs(options or {}) do more[key] = value end
-      more.threads = 2
-      if one ~= ended(plugin, setting, more) then
-        lines:wrong("the bits differ with 2 threads", "cut loops by count and grain, sum chunks in their order")
-      end
-    end
-  end
-end
-
-local function goes_on_from_a_checkpoint(plugin, lines, options)
-  local file = os.tmpname()
-  for _, setting in ipairs(actor.settings(plugin)) do
-    lines:at("%s", setting.name)
-    local fine, first = pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0.5 } end)
-    if fine then
-      first:save(file)
-      local whole = ended(plugin, setting, options)
-      local again = actor.scene(plugin, setting.values, options)
-      again:start { file = file }
-      if whole ~= again:run():packed() then
-        lines:wrong("a run that goes on from a checkpoint ends elsewhere",
-          "put what evolves into the field table (hk_field), which checkpoints save")
-      end
-    end
-  end
-  os.remove(file)
-end
-
 -- Whether what body() takes from the heap is freed in the end.
 function actor.frees(lines, body)
   local before, freed = inspect.heap()
@@ -262,33 +234,14 @@ function actor.frees(lines, body)
   end
 end
 
--- What every kind owes the host: memory, errors, messages. options: those of the scene; keeps_nothing: it is
--- of a kind that has nothing to keep in a checkpoint.
-function actor.habits(plugin, try, options)
-  try("two runs, and runs with 1 and 2 threads, have the same bits", function(lines)
-    runs_and_repeats(plugin, lines, options)
-  end)
-  if not plugin.scene and not (options and options.keeps_nothing) then
-    try("a run goes on from a checkpoint as if it had not stopped", function(lines)
-      goes_on_from_a_checkpoint(plugin, lines, options)
-    end)
-  end
-  try("it frees what it takes from the heap", function(lines)
-    actor.each(plugin, lines, function(_, _, run)
-      actor.frees(lines, function() actors.open(run, plugin.kind, "behind", true) end)
-    end, options)
-  end)
-  try("it refuses to start, with a message, where there is no memory", function(lines)
-    for allocations = 1, 6 do
-      local fine, why = pcall(function()
-        return actor.scene(plugin, actor.settings(plugin)[1].values, { allocations = allocations }):run { to = 0 }
-      end)
-      if not fine and tostring(why):find("without saying why", 1, true) then
-        lines:wrong(actor.plain(why), "return host->fail(host, HK_NO_MEMORY, ...) where host->allocate gives NULL")
-        break
-      end
-    end
-  end)
+actor.CROWD = 2000 -- particles
+
+-- Many particles about the few that lists name, for loops that are cut and memory that grows.
+function actor.crowd()
+  local positions, random = {}, actor.random(4)
+  for k, x in ipairs(actor.POSITIONS) do positions[k] = x end
+  for k = #positions + 1, actor.CROWD do positions[k] = { 6 * random(), 6 * random(), 6 * random() } end
+  return positions
 end
 
 -- The `try` of a kind's properties: the plugin's calls are named where a process ends, and its heap is counted.

@@ -2,6 +2,8 @@
 -- pattern, degenerate positions, and what a run with it keeps.
 local actors = require("actors")
 local actor = require("common.check.actor")
+local population = require("common.check.population")
+local whole_runs = require("common.check.whole_runs")
 
 local ONE_SIDED = 1
 
@@ -201,6 +203,7 @@ return function(plugin, report)
   try("curvature", function(l) curvature(plugin, l) end)
   try("it stays within its arrays and answers the same twice", function(l) repeats(plugin, l) end)
   try("finite at degenerate positions", function(l) degenerate(plugin, l) end)
+  try("births and deaths", function(l) population.follows(plugin, l, answers) end)
   try("a run keeps it", function(l) run(plugin, l) end)
-  actor.habits(plugin, try)
+  whole_runs.habits(plugin, try)
 end

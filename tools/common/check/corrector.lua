@@ -2,6 +2,8 @@
 -- reports.
 local actors = require("actors")
 local actor = require("common.check.actor")
+local population = require("common.check.population")
+local whole_runs = require("common.check.whole_runs")
 
 local WANTS_BEFORE, REPORTS_WORK, MAY_REJECT = 1, 2, 4 -- hk_corrector.flags
 local H = 0.01 -- s, the step that has been taken
@@ -148,10 +150,86 @@ local function keeps_to_its_flags(plugin, lines)
       if c.reject and plugin.flags & MAY_REJECT == 0 then
         lines:wrong("it takes a step back without HK_MAY_REJECT: the host does not look", "add the flag")
       end
+      if c.work ~= c.work or math.abs(c.work) == math.huge then lines:wrong(("its work is %g J"):format(c.work)) end
+      if c.reject and not (c.part >= 0 and c.part < 1) then
+        lines:wrong(("it asks for a step of %g of the length"):format(c.part), "c->part is above 0 and below 1, or 0: halves")
+      end
       if c.work ~= 0 and plugin.flags & REPORTS_WORK == 0 then
         lines:wrong("it reports work without HK_REPORTS_WORK: the host does not look", "add the flag")
       end
     end)
+  end)
+end
+
+-- All that a correction says, as one list.
+local function said(c)
+  local list = { c.work, c.changed and 1 or 0, c.reject and 1 or 0 }
+  for k = 1, #c.x do list[#list + 1] = c.x[k] end
+  for k = 1, #c.v do list[#list + 1] = c.v[k] end
+  return list
+end
+
+-- What a fresh instance does from state to state, alone and in turn with another one in other states.
+local function keeps_to_its_instance(plugin, lines)
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s, beside another instance", setting.name)
+    local alone, first = actor.fresh(plugin, setting)
+    local list, k, told = {}, 0, false
+    if alone then states(alone, function(_, _, start) list[#list + 1] = said(correct(alone, start)) end) end
+    local one, second = actor.fresh(plugin, setting)
+    local other, third = actor.fresh(plugin, setting)
+    if one and other then
+      states(one, function(x, v, start)
+        k = k + 1
+        actors.set(other, { x = actor.moved(x, actor.random(k + 50), 1), v = v, t = 0.2 })
+        correct(other, start)
+        if not told and not actor.same(list[k], said(correct(one, start))) then
+          told = true
+          lines:wrong("beside another instance it corrects otherwise", "keep all data in the instance, no static variables")
+        end
+      end)
+    end
+    assert(not one or first and second and third)
+    if told then return end
+  end
+end
+
+-- The chunks of a parallel_for from the last to the first, as threads may come.
+local function the_same_in_any_order(plugin, lines)
+  local options, setting = { positions = actor.crowd(), gravity = true }, actor.settings(plugin)[1]
+  local one, first = actor.fresh(plugin, setting, options)
+  local other, second = actor.fresh(plugin, setting, options)
+  if not one or not other then return end
+  lines:at("%d particles, the chunks of parallel_for in reverse order", actor.CROWD)
+  actors.reverse(other)
+  local start, random = actors.state(one), actor.random(3)
+  local x, v = actor.moved(start.x, random, 0.5), actor.moved(start.v, random, 2)
+  for _, a in ipairs { one, other } do actors.set(a, { t = 0.37, x = x, v = v }) end
+  local c, d = correct(one, start), correct(other, start)
+  if not actor.same(said(c), said(d)) then
+    lines:wrong("it corrects otherwise where chunks come in another order: a race",
+      "let no two chunks write the same number, and sum chunks in their order")
+  end
+  for k = 1, actor.CROWD do
+    local moves = false
+    for e = 3 * k - 2, 3 * k do moves = moves or c.x[e] ~= c.x[e] or c.v[e] ~= c.v[e] end
+    if moves and first and second then return lines:wrong(("particle %d of a crowd becomes no number"):format(k), "see what is divided by") end
+  end
+end
+
+-- A step of a billionth of a second, in which nothing went far: it can be made no shorter.
+local function accepts_short_steps(plugin, lines)
+  local SHORT <const> = 1e-9
+  actor.each(plugin, lines, function(a)
+    local start = actors.state(a)
+    local x = {}
+    for k = 1, #start.x do x[k] = start.x[k] + SHORT * start.v[k] end
+    actors.set(a, { x = x, v = start.v })
+    local c, fine, why = actors.correct(a, SHORT, start.x, start.v)
+    if not fine then error(("correct failed: %s"):format(why), 0) end
+    if c.reject then
+      lines:wrong("it takes back a step of 1e-09 s from the start", "a step that is short enough has to be accepted")
+    end
   end)
 end
 
@@ -179,6 +257,12 @@ return function(plugin, report)
   if plugin.flags & REPORTS_WORK ~= 0 then try("its work", function(l) reports_work(plugin, l) end) end
   if plugin.flags & MAY_REJECT ~= 0 then try("a step at rest is accepted", function(l) lets_time_go_on(plugin, l) end) end
   if plugin.flags & WANTS_BEFORE ~= 0 then report:note("it asks for the positions before the step") end
+  try("a short step is accepted", function(l) accepts_short_steps(plugin, l) end)
+  try("it keeps nothing outside its instance", function(l) keeps_to_its_instance(plugin, l) end)
+  try("the same in a crowd, whatever chunk comes first", function(l) the_same_in_any_order(plugin, l) end)
+  try("births and deaths", function(l)
+    population.follows(plugin, l, function(a, start) return said(correct(a, start)) end)
+  end)
   try("a run with it comes to its end", function(l) falls(plugin, l) end)
-  actor.habits(plugin, try, { gravity = true })
+  whole_runs.habits(plugin, try, { gravity = true })
 end

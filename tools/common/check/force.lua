@@ -8,8 +8,10 @@ local contact = require("common.check.force.contact")
 local derivatives = require("common.check.force.derivatives")
 local further = require("common.check.force.further")
 local habits = require("common.check.force.habits")
+local large = require("common.check.force.large")
 local parts = require("common.check.force.parts")
 local population = require("common.check.force.population")
+local repeats = require("common.check.force.repeats")
 
 local DEPENDS_ON_CHANNELS, STIFFENS = 8, 1024 -- hk_force.flags
 
@@ -40,10 +42,12 @@ return function(plugin, report)
     report:try(property[1], function(lines) property[2](plugin, lines) end)
   end
   habits.instances(plugin, report)
+  repeats.try(plugin, report)
   derivatives.try(plugin, report)
   claims.try(plugin, report)
   further.try(plugin, report)
   contact.try(plugin, report)
   parts.try(plugin, report)
   population.try(plugin, report)
+  large.try(plugin, report)
 end

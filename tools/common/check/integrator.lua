@@ -1,11 +1,12 @@
 -- The tests of an integrator (hooke check), each in a process of its own: what it owes its host (integrator/habits.lua),
--- and its order, stability and invariants (integrator/accuracy.lua).
+-- the lengths of its steps (integrator/steps.lua), and its order, stability and invariants (integrator/accuracy.lua).
 local inspect = require("inspect")
 local method = require("method")
 local members = require("members")
 local accuracy = require("common.check.integrator.accuracy")
 local habits = require("common.check.integrator.habits")
 local scenes = require("common.check.integrator.scenes")
+local steps = require("common.check.integrator.steps")
 
 -- hk_integrator.flags
 local NEEDS_JACOBIAN, NEEDS_SOLVER, SPLITS, LIMITS_MOVES = 8, 32, 64, 128
@@ -35,8 +36,10 @@ return function(plugin, report)
   plugin.keeps_constraints = found[1].keeps
   plugin.constrained, plugin.tiles = found[1].constrained, found[1].tiles
   plugin.states_growth, plugin.states_turning = found[1].grows, found[1].turns
-  for _, property in ipairs(habits.list) do
-    report:try(property[1], function(lines) property[2](plugin, lines) end)
+  for _, list in ipairs { habits.list, steps.list } do
+    for _, property in ipairs(list) do
+      report:try(property[1], function(lines) property[2](plugin, lines) end)
+    end
   end
   accuracy.try(plugin, report)
 end

@@ -2,6 +2,7 @@
 -- them, matrices that it cannot solve, and patterns that come and go.
 local solving = require("solving")
 local actor = require("common.check.actor")
+local whole_runs = require("common.check.whole_runs")
 
 local DIRECT = 1e-10 -- residual of a direct method: rounding times the condition of the matrices here, below 1e4
 local ASKED = 1e-8   -- asked of an iterative one
@@ -286,5 +287,5 @@ return function(plugin, report)
   try("what it cannot solve is said", function(l) refuses(plugin, l) end)
   try("its description ends within its room", function(l) describes(plugin, l) end)
   try("a run with it", function(l) run(plugin, l) end)
-  actor.habits(plugin, try, { springs = true, gravity = true, integrator = "backward_euler", keeps_nothing = true })
+  whole_runs.habits(plugin, try, { springs = true, gravity = true, integrator = "backward_euler", keeps_nothing = true })
 end

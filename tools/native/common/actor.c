@@ -60,6 +60,7 @@ int hk_actor_open(lua_State *L) {
   lua_settop(L, 4);
   hk_actor *a = lua_newuserdatauv(L, sizeof *a, 1);
   *a = (hk_actor){.run = run, .n = run->state.model.n, .side = side ? HK_GUARD_BEFORE : HK_GUARD_BEHIND};
+  a->told_of = a->n;
   lua_pushvalue(L, 1);
   lua_setiuservalue(L, -2, 1);
   if (luaL_newmetatable(L, type)) {

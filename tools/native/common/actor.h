@@ -11,7 +11,7 @@ typedef struct hk_actor {
   hk_instance *instance;
   bool own; /* the instance was made for the tool: the run has none */
   hk_view view;
-  size_t n;
+  size_t n, told_of;  /* told_of: particles that the instance knows of, where births and deaths are made up */
   hk_guarded x, v;    /* n x 3 each; what the view shows, read-only */
   hk_guarded out[2];  /* what the plugin writes */
   hk_guard_side side; /* where the arrays have their wall */

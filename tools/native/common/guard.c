@@ -29,7 +29,7 @@ bool hk_guard_get(hk_guarded *g, const char *name, size_t bytes, hk_guard_side s
   char *map = mmap(NULL, inner + 2 * wall, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (place == HK_GUARDED_MOST || map == MAP_FAILED || mprotect(map + wall, inner, PROT_READ | PROT_WRITE) != 0)
     return false;
-  *g = (hk_guarded){name, map + wall, bytes, map, inner + 2 * wall};
+  *g = (hk_guarded){name, map + wall, bytes, false, map, inner + 2 * wall};
   /* Numbers of 8 bytes end exactly at the wall. */
   if (side == HK_GUARD_BEHIND) g->at = map + wall + (inner - (bytes + 7) / 8 * 8);
   guard.array[place] = g;
@@ -45,6 +45,12 @@ void hk_guard_free(hk_guarded *g) {
 
 void hk_guard_allow(hk_guarded *g, bool writable) {
   if (g->map) mprotect(g->map + page(), g->mapped - 2 * page(), writable ? PROT_READ | PROT_WRITE : PROT_READ);
+  g->shut = false;
+}
+
+void hk_guard_shut(hk_guarded *g) {
+  if (g->map) mprotect(g->map + page(), g->mapped - 2 * page(), PROT_NONE);
+  g->shut = true;
 }
 
 /* ---- the last message ---- */
@@ -70,6 +76,12 @@ static void say_number(size_t number) {
 static void say_where(const hk_guarded *g, const char *touched) {
   const char *begin = g->at, *end = begin + g->bytes;
   size_t off = touched < begin ? (size_t)(begin - touched) : (size_t)(touched - end);
+  if (g->shut) {
+    say("reads or writes ");
+    say(g->name);
+    say(" after the call in which it was given");
+    return;
+  }
   if (touched >= begin && touched < end) {
     say("writes to ");
     say(g->name);

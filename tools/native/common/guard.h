@@ -16,6 +16,7 @@ typedef struct hk_guarded {
   const char *name; /* for the sentence; outlives the array */
   void *at;         /* `bytes` bytes, aligned to 16 where it is guarded behind, to a page where before */
   size_t bytes;
+  bool shut; /* nobody may read it either */
   char *map; /* of the system */
   size_t mapped;
 } hk_guarded;
@@ -27,6 +28,8 @@ bool hk_guard_get(hk_guarded *guarded, const char *name, size_t bytes, hk_guard_
 void hk_guard_free(hk_guarded *guarded);
 /* Whether it may be written, by anyone. */
 void hk_guard_allow(hk_guarded *guarded, bool writable);
+/* From now on nobody may read it, until hk_guard_allow: what was handed out for one call is not kept beyond it. */
+void hk_guard_shut(hk_guarded *guarded);
 
 /* From now on a fatal signal, or an exit(), of this process writes a sentence of a line to fd, with the function that
  * was entered last, before the process ends. */

@@ -1,7 +1,9 @@
 /* A shared object calls functions of other ones through a table of addresses, which its relocations name. The addresses
- * of the heap's functions are replaced there by those of the functions below. */
+ * of the heap's functions are replaced there by those of the functions below, and those of files and clocks (outside.h).
+ */
 #define _GNU_SOURCE 1
 #include "tools/native/common/imports.h"
+#include "tools/native/common/outside.h"
 
 #include <stdatomic.h>
 #include <stdint.h>
@@ -41,6 +43,21 @@ static void *our_realloc(void *memory, size_t bytes) {
   return realloc(memory, bytes);
 }
 
+static void *our_reallocarray(void *memory, size_t count, size_t bytes) {
+  if (!memory) return our_calloc(count, bytes);
+  return reallocarray(memory, count, bytes);
+}
+
+static char *our_strdup(const char *text) {
+  atomic_fetch_add(&heap.allocated, 1);
+  return strdup(text);
+}
+
+static char *our_strndup(const char *text, size_t most) {
+  atomic_fetch_add(&heap.allocated, 1);
+  return strndup(text, most);
+}
+
 static void our_free(void *memory) {
   if (memory) atomic_fetch_add(&heap.freed, 1);
   free(memory);
@@ -56,15 +73,16 @@ hk_heap hk_imports_heap(void) { return (hk_heap){atomic_load(&heap.allocated), a
 #include <sys/mman.h>
 #include <unistd.h>
 
-static const struct {
-  const char *name;
-  uintptr_t function;
-} ours[] = {{"malloc", (uintptr_t)our_malloc},
-            {"calloc", (uintptr_t)our_calloc},
-            {"realloc", (uintptr_t)our_realloc},
-            {"aligned_alloc", (uintptr_t)our_aligned_alloc},
-            {"posix_memalign", (uintptr_t)our_posix_memalign},
-            {"free", (uintptr_t)our_free}};
+static const hk_import heap_calls[] = {{"malloc", (uintptr_t)our_malloc},
+                                       {"calloc", (uintptr_t)our_calloc},
+                                       {"realloc", (uintptr_t)our_realloc},
+                                       {"reallocarray", (uintptr_t)our_reallocarray},
+                                       {"aligned_alloc", (uintptr_t)our_aligned_alloc},
+                                       {"posix_memalign", (uintptr_t)our_posix_memalign},
+                                       {"strdup", (uintptr_t)our_strdup},
+                                       {"strndup", (uintptr_t)our_strndup},
+                                       {"free", (uintptr_t)our_free},
+                                       {NULL, 0}};
 
 typedef struct object {
   uintptr_t inside, base;
@@ -92,12 +110,20 @@ static void replace(uintptr_t slot, uintptr_t function) {
     *(uintptr_t *)slot = function;
 }
 
+/* The function that stands for that one; 0: none does. */
+static uintptr_t ours(const char *name) {
+  static const hk_import *const lists[] = {heap_calls, hk_outside_calls};
+  for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)
+    for (const hk_import *f = lists[l]; f->name; f++)
+      if (strcmp(name, f->name) == 0) return f->function;
+  return 0;
+}
+
 static void look_through(const object *o, const ElfW(Rela) * list, size_t bytes, const ElfW(Sym) * symbol,
                          const char *text) {
   for (size_t k = 0; list && k < bytes / sizeof *list; k++) {
-    const char *name = text + symbol[ELF64_R_SYM(list[k].r_info)].st_name;
-    for (size_t f = 0; ELF64_R_SYM(list[k].r_info) && f < sizeof ours / sizeof *ours; f++)
-      if (strcmp(name, ours[f].name) == 0) replace(o->base + list[k].r_offset, ours[f].function);
+    uintptr_t function = ELF64_R_SYM(list[k].r_info) ? ours(text + symbol[ELF64_R_SYM(list[k].r_info)].st_name) : 0;
+    if (function) replace(o->base + list[k].r_offset, function);
   }
 }
 

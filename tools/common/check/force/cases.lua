@@ -200,7 +200,8 @@ local function particles_of(scene, shape)
   end
 end
 
--- The run of a case at its start; or nil and the reason of its refusal. options: threads, only, allocations.
+-- The run of a case at its start; or nil and the reason of its refusal. options: threads, only, allocations,
+-- integrator (which chooses its steps), to.
 function cases.open(plugin, case, options)
   options = options or {}
   local scene
@@ -209,7 +210,8 @@ function cases.open(plugin, case, options)
     scene, why = hooke.load(case.file, {}, { trust = true, threads = options.threads })
     if not scene then return nil, why end
   else
-    scene = hooke.scene { duration = 1, integrator = "leapfrog", dt = 0.01 }
+    scene = hooke.scene { duration = 1, integrator = options.integrator or "leapfrog", dt = not options.integrator and 0.01
+      or nil }
     scene:channel("heat", { initial = 0.4 })
     scene:channel("radius", { initial = 0.3 }) -- the channel by which forces know a size
     particles_of(scene, case.shape)
@@ -227,7 +229,7 @@ function cases.open(plugin, case, options)
   end
   inspect.threads(scene, options.threads or 1)
   inspect.allocations(scene, options.allocations or 0)
-  local fine, run = pcall(scene.run, scene, { to = 0 })
+  local fine, run = pcall(scene.run, scene, { to = options.to or 0 })
   if not fine then
     local why = tostring(run)
     return nil, why:find("%S") and why or "one of its functions fails and does not say why (host->fail)"
@@ -283,7 +285,8 @@ function cases.variant(case, shape, plugin)
 end
 
 -- Calls body(subject, case, run) for every accepted case for which wanted(case) is true (nil: all). Raises an error when
--- there is none, with the reason of the first refusal.
+-- there is none, with the reason of the first refusal. options: those of cases.open; side; destroy: the run ends with the
+-- body.
 function cases.each(plugin, lines, wanted, body, options)
   local tried, refused = 0, nil
   for _, case in ipairs(cases.list(plugin)) do
@@ -296,6 +299,7 @@ function cases.each(plugin, lines, wanted, body, options)
         local subject = inspect.open(run, plugin.name, options and options.side)
         case.limits = plugin.has and plugin.has.step_limit
         if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
+        if options and options.destroy then inspect.destroy(run) end -- else with the script, which is never
       elseif case.file then error(("--scene %s: %s"):format(case.file, why), 0)
       else refused = refused or why end
     end

@@ -282,6 +282,21 @@ local function definite_as_offered(plugin, lines)
     "take off negative eigenvalues and nothing else", more or false)
 end
 
+-- Without a Jacobian: who refuses the force is asked of the methods themselves.
+local function methods_that_need_one(plugin, lines)
+  local case, refuse = nil, {}
+  for _, c in ipairs(cases.list(plugin)) do case = case or (c.setting and c.few and c) end
+  for _, method in ipairs(case and (hooke.catalogue()) or {}) do
+    if method.kind == "integrator" then
+      lines:at("%s, with the method %s", case.name, method.name)
+      local run, why = cases.open(plugin, case, { integrator = method.name, to = 1 / 60 })
+      if not run and why:find("no Jacobian", 1, true) then refuse[#refuse + 1] = method.name end
+    end
+  end
+  lines:note(("it has no Jacobian: %s refuse%s it, other methods take it as it is"):format(
+    #refuse > 0 and table.concat(refuse, ", ") or "no method", #refuse > 1 and "" or "s"))
+end
+
 function derivatives.try(plugin, report)
   if plugin.energy and not plugin.power then
     report:try("force is minus the gradient of its energy", function(l) force_is_minus_the_gradient(plugin, l) end)
@@ -290,7 +305,10 @@ function derivatives.try(plugin, report)
   else
     report:note("it has neither energy nor power: all of F.v counts as work done on the scene")
   end
-  if not plugin.jacobian then return report:note("it has no Jacobian: implicit methods leave it out") end
+  if not plugin.jacobian then
+    if not report.only then report:try(nil, function(l) methods_that_need_one(plugin, l) end) end
+    return
+  end
   report:try("its Jacobian", function(l) jacobians_are_the_derivatives(plugin, l) end)
   report:try("the symmetry of its Jacobian", function(l) symmetric_as_claimed(plugin, l) end)
   if plugin.offers_definite then

@@ -149,9 +149,29 @@ local function compare_limit(lines, what, grows, measured)
   end
 end
 
+-- A factor is a number of 0 or more, and 1 where nothing acts.
+local function is_a_factor(run, lines)
+  for _, at in ipairs { { 0, 0 }, { 1e-9, 0 }, { 0.1, 0 }, { 0, 0.1 }, { 0.3, 0.1 }, { 1, 0 }, { 1, 1 }, { 0, 3 }, { 10, 0.1 },
+    { 100, 200 } } do
+    local factor = method.growth(run, at[1], at[2])
+    if factor ~= factor or factor < 0 then
+      lines:wrong(("`growth` is %g at h w = %g, h g = %g"):format(factor, at[1], at[2]),
+        "NAN says that turning velocities are not stated, for hb other than 0; leave `growth` NULL where it is not known", false)
+      return false
+    end
+    if at[1] < 1e-6 and at[2] == 0 and math.abs(factor - 1) > 1e-6 then
+      lines:wrong(("`growth` is %g where nothing acts, h w = %g"):format(factor, at[1]),
+        "x'' = 0 moves on: the largest factor of a step is 1", false)
+      return false
+    end
+  end
+  return true
+end
+
 local function growth_is_true(plugin, lines)
   local run, why = scenes.open(plugin, scenes.oscillator(0.1, 0))
   if not run then return lines:note("stability: " .. why) end
+  if not is_a_factor(run, lines) then return end
   for _, damping in ipairs { 0, 0.1, 1 } do
     compare_limit(lines, ("damping ratio %g"):format(damping),
       function(hw) return method.growth(run, hw, 2 * damping * hw) end,

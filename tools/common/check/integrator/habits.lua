@@ -353,39 +353,12 @@ local function is_what_its_flags_say(plugin, lines)
   end
 end
 
--- 30 steps by `steps` of the facet tile, at most so many at once, and by `step`; both sum the same numbers in the same order.
-local function tiles_as_it_steps(plugin, lines)
-  if not plugin.tiles then return end
-  local TILED <const>, told = 30, false
-  for _, name in ipairs { "swing", "damped" } do
-    lines:at("the scene '%s'", name)
-    local stepped = method.run(scenes.open(plugin, scenes[name]), { h = H, steps = TILED }).X
-    for _, at_once in ipairs { 1, 3, TILED } do
-      local X, tiled, changed, status =
-        method.tile(scenes.open(plugin, scenes[name]), { h = H, steps = TILED, at_once = at_once })
-      local off = 0
-      for k = 1, #X do off = math.max(off, math.abs(X[k] - stepped[k])) end
-      local wrong = status ~= 0 and ("`steps` of the facet tile fails with status %d"):format(status)
-        or changed and "`steps` of the facet tile changes X, which its host needs if it fails"
-        or tiled == 0 and "`steps` of the facet tile never takes a step"
-        or (off ~= off or off >= 1e-12) and
-        ("%d steps by `steps` of the facet tile, at most %d at once, differ by %.2g from those by `step`"):format(
-          TILED, at_once, off)
-      if wrong and not told then
-        told = true
-        lines:wrong(wrong, "the first step goes from X to `spare`, the others in place, with t[k] at their ends; the history goes along")
-      end
-    end
-  end
-end
-
 habits.list = {
   { "it stays within the state", stays_within_its_arrays },
   { "it says what it did", says_what_it_did },
   { "it is what its flags say", is_what_its_flags_say },
   { "it passes on failures", passes_on_failures },
   { "it advances all of X", advances_everything },
-  { "steps at once are its steps", tiles_as_it_steps },
   { "it reads no memory that was not written", reads_what_was_written },
   { "it allocates nothing in a step and leaks nothing", allocates_nothing },
   { "it keeps nothing outside its instance", keeps_to_its_instance },

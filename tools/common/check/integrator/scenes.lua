@@ -62,6 +62,13 @@ function scenes.sheet(scene)
   scene:force("springs", { edges = cloth:structural() .. cloth:shear(), k = 60, damping = 0.002 })
 end
 
+function scenes.curtain(scene) -- of several blocks of particles
+  local cloth = scene:grid { nx = 64, ny = 70, width = 4, height = 4, mass = 2 }
+  scene:pin { cloth:at(1, 70), cloth:at(64, 70) }
+  scene:force("gravity", {})
+  scene:force("springs", { edges = cloth:structural(), k = 20, damping = 0.001 })
+end
+
 scenes.OFFSET = 1e-8 -- m, of a spring of 1 m: linear to the eighth digit, and growth by a million still to the second
 
 -- One particle on a spring to a pin, displaced from rest: h w for steps of 1/60 s.
