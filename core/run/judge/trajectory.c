@@ -102,7 +102,8 @@ static bool plausible(const hk_trajectory *a, uint32_t next_id) {
   for (size_t k = 0; k < a->moments && fine; k++) {
     const struct hk_moment *m = &a->moment[k];
     fine = m->begin == begin && m->size <= a->size - begin && m->n == m->size / a->width &&
-           m->n * a->width == m->size && m->frame >= frame && isfinite(m->t) && m->t > before && are_ids(a->value + begin, m->n, next_id);
+           m->n * a->width == m->size && m->frame >= frame && isfinite(m->t) && m->t > before &&
+           are_ids(a->value + begin, m->n, next_id);
     begin += fine ? m->size : 0;
     before = m->t;
     frame = m->frame;

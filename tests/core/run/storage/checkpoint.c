@@ -274,6 +274,36 @@ static void numbers_in_it_are_not_believed(void **state) {
   assert_true(refused > 20 && refused < 9 * words); /* the sum is right */
 }
 
+static void with_an_obstacle(test_engine *e) {
+  two_particles(e);
+  test_plugin(e, HK_FORCE, "gravity");
+  test_number(e, test_plugin(e, HK_CORRECTOR, "obstacle"), "radius", 0.05);
+}
+
+/* The obstacle keeps three poses of one size: a list without any, and all that follows it as it was, is of no run. */
+static void a_list_of_another_length_than_the_plugin_gave_it_is_refused(void **state) {
+  (void)state;
+  enum { POSES = 3, LONGEST = 256 };
+  const uint64_t poses = POSES, none = 0;
+  char path[512], text[1024];
+  snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
+  bytes whole = saved(with_an_obstacle, path);
+  size_t tried = 0;
+  for (size_t at = strlen("hooke checkpoint 6\n"); at + 16 < whole.count; at++) {
+    if (memcmp(whole.byte + at, &poses, 8) != 0) continue;
+    for (size_t cut = 8 * POSES; cut <= LONGEST * POSES && at + 16 + cut < whole.count; cut += 8 * POSES, tried++) {
+      bytes b = whole;
+      memcpy(b.byte + at, &none, 8);
+      memmove(b.byte + at + 8, b.byte + at + 8 + cut, b.count - at - 8 - cut);
+      b.count -= cut;
+      sum_again(&b);
+      write_bytes(path, &b, b.count);
+      if (open_from(with_an_obstacle, path, text, sizeof text) == HK_OK) fail_msg("byte %zu, %zu cut: taken", at, cut);
+    }
+  }
+  assert_true(tried > 0);
+}
+
 static void at_other_frames(test_engine *e) {
   moved_by_a_corrector(e);
   e->scene->fps = 20;
@@ -300,6 +330,7 @@ int main(void) {
       cmocka_unit_test(one_that_is_cut_short_is_refused_at_every_length),
       cmocka_unit_test(one_with_any_byte_changed_is_refused),
       cmocka_unit_test(numbers_in_it_are_not_believed),
+      cmocka_unit_test(a_list_of_another_length_than_the_plugin_gave_it_is_refused),
       cmocka_unit_test(another_version_and_another_scene_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
