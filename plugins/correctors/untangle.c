@@ -75,7 +75,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->work.surfaces = host->query(host, HK_SURFACES_INTERFACE);
   if (!s->work.surfaces) return HK_FAILED;
   const hk_surfaces *surfaces = s->work.surfaces;
-  hk_surface_request request = {s->thickness, s->body_thickness, s->radius, &s->leave, NULL};
+  hk_surface_request request = {s->thickness, s->body_thickness, s->radius, &s->leave, NULL, 0};
   hk_status status = surfaces->join(surfaces->self, &request, view);
   if (status != HK_OK) return status;
   const hk_surface_mesh *mesh = surfaces->mesh(surfaces->self);

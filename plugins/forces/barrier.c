@@ -99,6 +99,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (b->closest == 0) b->closest = INFINITY; /* 0: the run does not go on from a checkpoint */
   b->request.leave = &b->leave;
   b->request.plugin = "barrier";
+  b->request.friction = b->friction.coefficient;
   return c->surfaces->join(c->surfaces->self, &b->request, view);
 }
 

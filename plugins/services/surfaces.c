@@ -12,7 +12,7 @@ typedef struct surfaces {
   bool joined;
   struct {
     const char *plugin;
-    const hk_host *host; /* of the instance, which may join again */
+    double friction;
   } joiner[8];
   size_t joiners;
   hk_surface_request request; /* `leave` is not used: ids last longer */
@@ -125,18 +125,18 @@ static hk_status keep_left(surfaces *s, const hk_tuples *leave) {
   return HK_OK;
 }
 
-/* A second one of the same plugin would do again, and in another way, what the first does for all surfaces. */
-static hk_status note_joiner(surfaces *s, const hk_host *host, const char *plugin) {
+/* A second one of the same plugin with another friction would undo what the first does for all surfaces. */
+static hk_status note_joiner(surfaces *s, const hk_host *host, const hk_surface_request *r) {
   const size_t room = sizeof s->joiner / sizeof *s->joiner;
-  for (size_t k = 0; plugin && k < s->joiners; k++) {
-    if (strcmp(s->joiner[k].plugin, plugin) != 0) continue;
-    if (s->joiner[k].host == host) return HK_OK;
-    return host->fail(host, HK_BAD_PARAM,
-                      "the scene already has another '%s', which treats all of its surfaces: leave one out", plugin);
-  }
-  if (plugin && s->joiners < room) {
-    s->joiner[s->joiners].plugin = plugin;
-    s->joiner[s->joiners++].host = host;
+  for (size_t k = 0; r->plugin && k < s->joiners; k++)
+    if (strcmp(s->joiner[k].plugin, r->plugin) == 0 && s->joiner[k].friction != r->friction)
+      return host->fail(host, HK_BAD_PARAM,
+                        "the scene already has a '%s' with a friction of %g, which treats all of its surfaces, and "
+                        "this one has %g: leave one out",
+                        r->plugin, s->joiner[k].friction, r->friction);
+  if (r->plugin && s->joiners < room) {
+    s->joiner[s->joiners].plugin = r->plugin;
+    s->joiner[s->joiners++].friction = r->friction;
   }
   return HK_OK;
 }
@@ -144,7 +144,7 @@ static hk_status note_joiner(surfaces *s, const hk_host *host, const char *plugi
 static hk_status join(void *self, const hk_surface_request *request, const hk_view *view) {
   surfaces *s = self;
   hk_status status = check_request(view->host, request);
-  if (status == HK_OK) status = note_joiner(s, view->host, request->plugin);
+  if (status == HK_OK) status = note_joiner(s, view->host, request);
   if (status != HK_OK) return status;
   if (s->joined) return compare(s, view->host, request);
   s->request = *request;

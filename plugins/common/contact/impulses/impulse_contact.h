@@ -31,7 +31,7 @@ typedef struct hk_impulse_contact {
   {"last_t", .number = HK_AT(hk_impulse_contact, last_t)}
 /* clang-format on */
 
-/* In `create`, of the plugin of that name, and in `topology`. */
+/* In `create`, of the plugin of that name (see hk_surface_request), and in `topology`. */
 hk_status hk_impulse_contact_create(hk_impulse_contact *, const char *plugin, const hk_host *, const hk_view *);
 hk_status hk_impulse_contact_topology(hk_impulse_contact *, const hk_view *);
 /* Before a step: enters the last one into the account, or drops it. */

@@ -43,11 +43,11 @@ static inline double hk_contact_scale(const hk_contact_params *p) {
   return fmin((p->thickness + p->body_thickness) / 2, fmin(p->thickness, 2 * p->radius));
 }
 
-/* `plugin`: its name. */
+/* `plugin`: its name, or NULL, see hk_surface_request. */
 static inline const hk_surfaces *hk_contact_join(const hk_contact_params *p, const char *plugin, const hk_host *host,
                                                  const hk_view *view, hk_status *status) {
   const hk_surfaces *surfaces = host->query(host, HK_SURFACES_INTERFACE);
-  hk_surface_request request = {p->thickness, p->body_thickness, p->radius, &p->leave, plugin};
+  hk_surface_request request = {p->thickness, p->body_thickness, p->radius, &p->leave, plugin, p->friction};
   *status = surfaces ? surfaces->join(surfaces->self, &request, view) : HK_FAILED;
   return surfaces;
 }

@@ -23,8 +23,9 @@ typedef struct hk_surface_request {
   double radius;          /* m, of strands and isolated particles */
   const hk_tuples *leave; /* arity 1: particles excluded from contact, with all their triangles and edges; NULL or
                              empty: none. For particles inside of a solid, and roots of hair on a skin of triangles. */
-  const char *plugin; /* the name of the plugin that joins, of which one is enough: a second is refused. It outlives the
-                         run; NULL: any number may join */
+  const char *plugin; /* the name of the plugin that joins: another of that name with another friction is refused. It
+                         outlives the run; NULL: any may join */
+  double friction;    /* Coulomb's coefficient of that plugin */
 } hk_surface_request;
 
 enum { HK_MARK_TANGLED = 1, HK_MARK_PINCHED = 2 }; /* see `keep` */
