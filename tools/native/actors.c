@@ -275,7 +275,8 @@ int luaopen_actors(lua_State *L) {
                                        {"state", state},        {"flags", flags},          {"equations", equations},
                                        {"value", value},        {"curvature", curvature},  {"speed", speed},
                                        {"jacobian", jacobian},  {"correct", correct},      {"violation", violation},
-                                       {"emit", emit},          {"reverse", reverse},             {"groups", groups},        {"table", table},
+                                       {"emit", emit},          {"reverse", reverse},
+                                       {"groups", groups},      {"table", table},
                                        {"serve", serve},        {"interface", interface},  {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;

@@ -283,8 +283,8 @@ static hk_status take_tile(const hk_instance *m, hk_system *s, double h, size_t 
   return status;
 }
 
-/* tile(run, { t =, h =, steps =, lengths = {...} }) -> X after steps of h from the run's state, in tiles of these lengths in
- * turn, 0: a step alone; how many were taken in tiles; whether X was changed before its end; status; the
+/* tile(run, { t =, h =, steps =, lengths = {...} }) -> X after steps of h from the run's state, in tiles of these
+ * lengths in turn, 0: a step alone; how many were taken in tiles; whether X was changed before its end; status; the
  * times of evaluations. */
 static int tiles(lua_State *L) {
   hk_run *run = hk_lua_run(L);

@@ -1,5 +1,5 @@
 /* The output trajectory: a file of the same run has the same bytes, whenever that was. The clock of the library that writes
- * it is set by a `time` of the test's own, which the linker finds first. */
+ * it is set by a `gettimeofday` of the test's own, which the linker finds first. */
 #include "tests/support/command.h"
 
 #include <setjmp.h>
@@ -13,9 +13,9 @@
 #include <cmocka.h>
 
 static const char *const clock_source =
-    "#include <stdlib.h>\n#include <time.h>\n"
-    "time_t time(time_t *at) {\n"
-    "  time_t now = getenv(\"NOW\") ? atol(getenv(\"NOW\")) : 0;\n  if (at) *at = now;\n  return now;\n}\n";
+    "#include <stdlib.h>\n#include <sys/time.h>\n"
+    "int gettimeofday(struct timeval *restrict at, void *restrict zone) {\n"
+    "  at->tv_sec = atol(getenv(\"NOW\"));\n  at->tv_usec = 0;\n  return 0;\n}\n";
 
 static const char *const scene =
     "local s = hooke.scene { duration = 0.1, fps = 20, dt = 0.01, integrator = 'leapfrog' }\n"

@@ -1,6 +1,6 @@
 /* A shared object calls functions of other ones through a table of addresses, which its relocations name. The addresses
- * of the heap's functions are replaced there by those of the functions below, and those of files and clocks (outside.h).
- */
+ * of the heap's functions are replaced there by those of the functions below, those of files and clocks by those of
+ * outside.h. */
 #define _GNU_SOURCE 1
 #include "tools/native/common/imports.h"
 #include "tools/native/common/outside.h"

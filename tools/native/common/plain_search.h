@@ -1,5 +1,5 @@
-/* What services find (core/plugin/service.h, plugins/common/space/bvh.h) against a search over all. A comparison returns
- * NULL, or what is wrong in a sentence, which stays until the next one. */
+/* What services find (core/plugin/service.h, plugins/common/space/bvh.h) against a search over all. A comparison
+ * returns NULL, or what is wrong in a sentence, which stays until the next one. */
 #ifndef HK_TOOLS_PLAIN_SEARCH_H
 #define HK_TOOLS_PLAIN_SEARCH_H
 
