@@ -129,8 +129,8 @@ typedef struct hk_array {
   void *item;
 } hk_array;
 
-enum {                  /* hk_field.flags */
-       HK_SCRATCH = 1,  /* memory whose content is not needed after the step; not saved */
+enum {                   /* hk_field.flags */
+       HK_SCRATCH = 1,   /* memory whose content is not needed after the step; not saved */
        HK_PUBLISHED = 2, /* per_particle: other plugins find it in hk_model.published */
        HK_COUNTED = 4 /* array: the plugin alone sets its count; a checkpoint with another one is not of this scene */
 };

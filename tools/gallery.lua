@@ -190,7 +190,10 @@ local o = command_line.parse("gallery", parser_of())
 if not o then return 1 end
 local list = o.list or hooke.library:gsub("/lib$", "") .. "/gallery.lua"
 local plan, why = read_list(list)
-if not plan then return fail(("%s is no list of scenes: %s; scripts/gallery.lua is one, and a scene is run by hooke run or hooke view"):format(list, why)) end
+if not plan then
+  return fail(("%s is no list of scenes: %s; scripts/gallery.lua is one, and a scene is run by hooke run or hooke view"):format(
+    list, why))
+end
 if not files.make_folder(o.out) then return fail(("the folder %s cannot be made"):format(o.out), 4) end
 local folder = list:match("^(.*)/[^/]*$") or "."
 local pictures, shown = stills(plan, o, folder)

@@ -198,8 +198,9 @@ static hk_status check_pairs(const barrier *b, const hk_view *view) {
   for (size_t k = 0; k < b->contacts.named.count; k++) fine = fine && is_pair(&named[k], view->n);
   for (size_t k = 0; k < b->friction.touches.count; k++) fine = fine && is_pair(&touch[k].pair, view->n);
   if (fine) return HK_OK;
-  return view->host->fail(view->host, HK_FAILED, "its contacts name particles that are not there: the checkpoint is "
-                                                 "damaged");
+  return view->host->fail(view->host, HK_FAILED,
+                          "its contacts name particles that are not there: the checkpoint is "
+                          "damaged");
 }
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {

@@ -44,8 +44,7 @@ enum { TRIES = 3 };
 static void ask(const char *arguments, const char *names, bool wanted) {
   choice c = {.name = ""};
   for (int k = 0; k < TRIES && (k == 0 || is_one_of(&c, names) != wanted); k++) c = ask_once(arguments);
-  if (is_one_of(&c, names) != wanted)
-    fail_msg("%s is %s of '%s': %s", c.name, wanted ? "none" : "one", names, c.said);
+  if (is_one_of(&c, names) != wanted) fail_msg("%s is %s of '%s': %s", c.name, wanted ? "none" : "one", names, c.said);
 }
 
 static const char implicit[] =

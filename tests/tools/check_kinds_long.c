@@ -46,8 +46,8 @@ static void every_plugin_of_the_project_passes(void **state) {
 static void every_fixture_that_is_right_passes(void **state) {
   (void)state;
   static const char *const fixtures[][2] = {
-      {"bar", ""},     {"ground", ""},          {"telescope", ""}, {"stretching_bar", "rate=0"},
-      {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"spout", "every=0.25"},
+      {"bar", ""},     {"ground", ""},          {"telescope", ""},     {"stretching_bar", "rate=0"},
+      {"floor", ""},   {"sower", ""},           {"rejecter", ""},      {"spout", "every=0.25"},
       {"witness", ""}, {"counting_solver", ""}, {"lennard_jones", ""}, {"triples", ""},
   };
   char path[512];

@@ -271,13 +271,12 @@ static int serve(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_actors(lua_State *L);
 
 int luaopen_actors(lua_State *L) {
-  static const luaL_Reg functions[] = {{"open", hk_actor_open}, {"watch", hk_actor_watch}, {"set", hk_actor_set},
-                                       {"state", state},        {"flags", flags},          {"equations", equations},
-                                       {"value", value},        {"curvature", curvature},  {"speed", speed},
-                                       {"jacobian", jacobian},  {"correct", correct},      {"violation", violation},
-                                       {"emit", emit},          {"reverse", reverse},
-                                       {"groups", groups},      {"table", table},
-                                       {"serve", serve},        {"interface", interface},  {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"open", hk_actor_open}, {"watch", hk_actor_watch}, {"set", hk_actor_set}, {"state", state},
+      {"flags", flags},        {"equations", equations},  {"value", value},      {"curvature", curvature},
+      {"speed", speed},        {"jacobian", jacobian},    {"correct", correct},  {"violation", violation},
+      {"emit", emit},          {"reverse", reverse},      {"groups", groups},    {"table", table},
+      {"serve", serve},        {"interface", interface},  {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

@@ -105,8 +105,7 @@ static int sequence(lua_State *L) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
     fine = shoot(c, k);
-    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why))
-      fine = cannot_write(c, path, why);
+    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why)) fine = cannot_write(c, path, why);
     written += fine;
   }
   return answer(L, c, fine, written);

@@ -193,8 +193,8 @@ static int shapes(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_sharing(lua_State *L);
 
 int luaopen_sharing(lua_State *L) {
-  static const luaL_Reg functions[] = {{"neighbours", neighbours}, {"octree", octree}, {"bvh", bvh},
-                                       {"lost", lost},             {"shapes", shapes}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"neighbours", neighbours}, {"octree", octree}, {"bvh", bvh}, {"lost", lost},
+                                       {"shapes", shapes},         {NULL, NULL}};
   luaL_newlib(L, functions);
   lua_pushcfunction(L, hk_actor_open);
   lua_setfield(L, -2, "open");

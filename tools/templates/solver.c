@@ -1,5 +1,5 @@
-/* NAME: conjugate gradients with the diagonal as preconditioner, for symmetric positive definite matrices. Describe here
- * the method and its source. */
+/* NAME: conjugate gradients with the diagonal as preconditioner, for symmetric positive definite matrices. Describe
+ * here the method and its source. */
 #include "core/plugin.h"
 
 #include <string.h>

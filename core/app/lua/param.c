@@ -79,11 +79,11 @@ static const char *name_of(lua_State *L) {
     hk_lua_fail(L, HK_BAD_PARAM, "param: '%s' has no default, which says its type, too: give one, as in %s", name,
                 usage);
   if (type != LUA_TNUMBER && type != LUA_TSTRING && type != LUA_TBOOLEAN)
-    hk_lua_fail(L, HK_BAD_PARAM, "param: the default of '%s' is %s: expected a number, a text, or true or false",
-                name, hk_lua_kind(L, 2));
+    hk_lua_fail(L, HK_BAD_PARAM, "param: the default of '%s' is %s: expected a number, a text, or true or false", name,
+                hk_lua_kind(L, 2));
   if (!lua_isnil(L, 3) && lua_type(L, 3) != LUA_TSTRING)
-    hk_lua_fail(L, HK_BAD_PARAM, "param: the help of '%s' is %s: expected a text, as in %s", name,
-                hk_lua_kind(L, 3), usage);
+    hk_lua_fail(L, HK_BAD_PARAM, "param: the help of '%s' is %s: expected a text, as in %s", name, hk_lua_kind(L, 3),
+                usage);
   if (!lua_isnil(L, 4) && !lua_istable(L, 4))
     hk_lua_fail(L, HK_BAD_PARAM, "param: the limits of '%s' are %s: expected { min =, max = }, as in %s", name,
                 hk_lua_kind(L, 4), usage);

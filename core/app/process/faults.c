@@ -96,7 +96,7 @@ static void crashed(int number, siginfo_t *info, void *context) {
   name(plugin, file);
   say(" crashed (");
   say(number == SIGFPE && info->si_code != FPE_INTDIV && info->si_code > 0 ? "SIGFPE, a floating-point trap"
-                                                                          : faults[k].what);
+                                                                           : faults[k].what);
   say("): the error is in the plugin; mend it or leave it out\n");
   end(2);
 }

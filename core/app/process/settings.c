@@ -1,6 +1,6 @@
 /* What holds for all of the process, and plugins may not leave changed: how the processor rounds, what it does with
- * numbers too small for full precision, whether it traps, and what happens at signals. After a change of them a crash is
- * mute, Ctrl-C is dead, or every number is a bit wrong. Threads that work beside the first one are not looked at. */
+ * numbers too small for full precision, whether it traps, and what happens at signals. After a change of them a crash
+ * is mute, Ctrl-C is dead, or every number is a bit wrong. Threads that work beside the first one are not looked at. */
 #include "core/app/process/process.h"
 
 #include <stdint.h>

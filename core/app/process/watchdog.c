@@ -1,9 +1,9 @@
 /* Limits of scripts are kept by a hook that Lua calls after every so many instructions. One call of a function of Lua's
  * library is one instruction: a pattern match may take hours, table.move with numbers of the script's choice years. A
  * thread looks at the script's pulse a few times a second. When the script is at work, has executed no further
- * instructions, has taken no large block of memory and its thread has used two seconds of processor time for that, or the user has asked for the end, the
- * process is ended: nothing can be saved from within that call. Waiting for the engine, or for a processor that others
- * use, is no standstill. */
+ * instructions, has taken no large block of memory and its thread has used two seconds of processor time for that, or
+ * the user has asked for the end, the process is ended: nothing can be saved from within that call. Waiting for the
+ * engine, or for a processor that others use, is no standstill. */
 #include "core/app/process/process.h"
 
 #include <errno.h>

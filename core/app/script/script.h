@@ -76,11 +76,11 @@ struct hk_script {
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
   size_t last_size, doubled_stack[2]; /* bytes: the last request; what a full stack, a coroutine's one, would ask for */
-  bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
-  bool spent, memory_spent; /* the script exceeded a limit (that of memory) */
-  bool refused_by_system;   /* the last allocation, not by the limit */
-  hk_error limit;           /* the error of the limit exceeded; HK_OK: none */
-  hk_error raised;          /* the engine's last error raised in the script */
+  bool finished, driving;             /* the script itself has ended; the script is inside scene:run */
+  bool spent, memory_spent;           /* the script exceeded a limit (that of memory) */
+  bool refused_by_system;             /* the last allocation, not by the limit */
+  hk_error limit;                     /* the error of the limit exceeded; HK_OK: none */
+  hk_error raised;                    /* the engine's last error raised in the script */
   size_t slots;
   hk_lua_slot **slot;
   hk_lua_slot *returned;

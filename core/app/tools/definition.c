@@ -9,7 +9,7 @@
 static const char marked; /* its address is the key of the table in the registry */
 
 typedef struct definition {
-  lua_State *to; /* the tool's, in which the table is put on the stack */
+  lua_State *to;           /* the tool's, in which the table is put on the stack */
   const char *path, *name; /* name NULL: the table as it is */
 } definition;
 

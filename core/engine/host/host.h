@@ -139,8 +139,8 @@ typedef struct hk_shared {
   int surveys;
   const struct hk_instance *disturber; /* who did, and what; the next call that has a status fails. NULL: nobody */
   const char *disturbance;
-  int lanes; /* hk_host.lanes; below 2: 2. Tests try fewer than the processor has */
-  long allocations_left;                      /* negative: no limit; tests make the k-th allocation fail */
+  int lanes;             /* hk_host.lanes; below 2: 2. Tests try fewer than the processor has */
+  long allocations_left; /* negative: no limit; tests make the k-th allocation fail */
 } hk_shared;
 
 typedef struct hk_instance {

@@ -290,7 +290,7 @@ hk_status hk_spec_check(const hk_plugin_spec *spec, hk_error *error) {
     if ((p->flags & HK_REQUIRED) && !spec->given[p - spec->plugin->params])
       return hk_error_set(error, HK_BAD_PARAM, "%s: the parameter '%s' (%s) is required", spec->label, p->name,
                           p->help);
-    hk_status status = p->per_tuple         ? check_count(spec, p, error)
+    hk_status status = p->per_tuple        ? check_count(spec, p, error)
                        : hk_param_arity(p) ? check_list(spec, p, error)
                                            : HK_OK;
     if (status != HK_OK) return status;

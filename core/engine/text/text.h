@@ -15,7 +15,7 @@ void hk_print_plain(FILE *, const char *text);
 void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
 /* In one line: line breaks and tabs as \\xHH too, where a name with them would be taken for another line. */
 void hk_plain_line(char *into, size_t size, const char *text);
-size_t hk_utf8_next(const char *text, uint32_t *code);         /* bytes of the first character; 0: it is no UTF-8 */
+size_t hk_utf8_next(const char *text, uint32_t *code); /* bytes of the first character; 0: it is no UTF-8 */
 bool hk_commands_terminal(uint32_t code);
 
 /* Appends to the text in a buffer of `size` bytes, after `separator` unless it is empty; cut at the buffer's end. */

@@ -11,7 +11,7 @@ typedef struct hk_step_choice {
   const hk_integrator *method;
   const void *parameters;        /* of the method */
   const hk_instance *integrator; /* whose they are */
-  double tol; /* relative tolerance that suits the method */
+  double tol;                    /* relative tolerance that suits the method */
   double fps;
   hk_spectrum spectrum;
   hk_watch watch;

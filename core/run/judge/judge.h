@@ -111,7 +111,7 @@ typedef struct hk_sampling {
   size_t calls;        /* of functions */
   size_t pieces;
   double piece[HK_SAMPLING_PIECES][2]; /* s, begin and end of the times of such variation */
-  bool more;                  /* there are more of them */
+  bool more;                           /* there are more of them */
 } hk_sampling;
 
 /* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. Functions of the state

@@ -1,10 +1,11 @@
 /* Forces of short range that steps pass by. A particle that goes by such a force between two evaluations misses its
  * impulse, and with half the step it does so, too, as long as that is many ranges: two runs agree, both wrong. The
- * force names the moves that come near (hk_encounters_facet), and what they miss is computed on the straight line through
- * the move and as much before and after it: the integral of F, less what the four ends of these three steps make of it
- * by the trapezoidal rule. The errors of neighbouring steps cancel where the steps resolve the force (on a long line to
- * e^(-2 pi b/L) for a distance b and steps L), so a resolved encounter misses next to nothing. The nodes of the integral
- * lie at range sinh(theta) from the nearest point: as dense as the range there, and few however long the move.
+ * force names the moves that come near (hk_encounters_facet), and what they miss is computed on the straight line
+ * through the move and as much before and after it: the integral of F, less what the four ends of these three steps
+ * make of it by the trapezoidal rule. The errors of neighbouring steps cancel where the steps resolve the force (on a
+ * long line to e^(-2 pi b/L) for a distance b and steps L), so a resolved encounter misses next to nothing. The nodes
+ * of the integral lie at range sinh(theta) from the nearest point: as dense as the range there, and few however long
+ * the move.
  *
  * An encounter counts where it misses more than a fifth of the integral of the size of a part of F, along or across; a
  * method of high order may be far better than the trapezoidal rule below that, and half the step shows the error. The

@@ -16,10 +16,10 @@ static void say(const hk_progress *p, double seconds, double steps, const char *
           steps, steps / seconds, since);
 }
 
-void hk_progress_foretell(hk_progress *p, double seconds_per_step, double steps) {
+void hk_progress_expect(hk_progress *p, double seconds_per_step, double steps) {
   double whole = seconds_per_step * steps;
   if (!(whole > long_run)) return;
-  p->foretold = whole;
+  p->expected = whole;
   say(p, whole, steps, "in a trial");
 }
 
@@ -30,7 +30,7 @@ static void tell(hk_progress *p, const hk_loop *loop, double now) {
   if (p->told || !(loop->first_step_at > 0) || wall < judged_after || !(t > p->begin)) return;
   p->told = true;
   double whole = wall * (p->end - p->begin) / (t - p->begin);
-  bool said = whole < 2 * p->foretold && whole > p->foretold / 2;
+  bool said = whole < 2 * p->expected && whole > p->expected / 2;
   if (!said && whole > long_run) say(p, whole, done * whole / wall, "so far");
 }
 

@@ -21,12 +21,12 @@ typedef struct hk_progress {
   size_t steps;      /* before: of the part that a resumed run goes on from */
   double at;         /* s, wall time of the last line */
   bool shown;
-  double foretold; /* s, what the run was said to take before its first step; 0: nothing was said */
+  double expected; /* s, what the run was said to take before its first step; 0: nothing was said */
   bool told;       /* how long it will take, once its first steps show it */
 } hk_progress;
 
 /* Says, before the first step, how long a run of so many steps will take where that is long. */
-void hk_progress_foretell(hk_progress *, double seconds_per_step, double steps);
+void hk_progress_expect(hk_progress *, double seconds_per_step, double steps);
 void hk_progress_show(hk_progress *, const hk_loop *, const hk_frame *last);
 void hk_progress_end(hk_progress *);
 

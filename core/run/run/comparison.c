@@ -180,8 +180,8 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
  * grow. The second has steps no longer than the run's. */
 void hk_comparison_tie_break(hk_comparison *c) {
   if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings,
-                                     HK_EFFORT_LARGE, false});
+    take_reference(
+        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false});
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */

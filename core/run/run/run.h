@@ -41,7 +41,7 @@ typedef struct hk_run_options {
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
-  const char *(*disturbed)(void); /* hk_shared.disturbed, also asked at frames; NULL: nobody looks */
+  const char *(*disturbed)(void);           /* hk_shared.disturbed, also asked at frames; NULL: nobody looks */
   /* Is given the last good state at every frame; NULL: nobody wants it. */
   void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
   void *kept_context;
@@ -172,10 +172,10 @@ typedef struct hk_comparison_run {
   double tol;         /* of an adaptive method */
   double reserve;     /* of a reference: what it leaves of the accuracy, for its own error */
   hk_trajectory trajectory;
-  double energy_defect; /* J, energy that is missing or too much, see hk_energy_defect */
-  double kinetic;       /* J, the largest */
-  double step;          /* longest step relative to that of the first run */
-  double missed;        /* m, what its own steps may have missed of encounters */
+  double energy_defect;   /* J, energy that is missing or too much, see hk_energy_defect */
+  double kinetic;         /* J, the largest */
+  double step;            /* longest step relative to that of the first run */
+  double missed;          /* m, what its own steps may have missed of encounters */
   double swings, fastest; /* 1/s: a frequency that its scene has, and one above which it has none */
   double damped;          /* 1/s, at least so much is that one damped */
 } hk_comparison_run;

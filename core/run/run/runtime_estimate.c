@@ -96,7 +96,7 @@ static double time_evaluation(hk_run *whole) {
   return status == HK_OK ? seconds : NAN;
 }
 
-static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
+static void estimate_stiff(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
   const hk_step_choice *step = whole->step;
   const hk_plugin *implicit = NULL;
   hk_error why = {0};
@@ -105,7 +105,7 @@ static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *
   double each = time_steps(loader, first, first->integrator, first->dt, EXPLICIT_STEPS, &next);
   if (!isfinite(each)) return;
   const char *label = hk_stiffest_force(&whole->loop, &w);
-  whole->progress.foretold = steps * each;
+  whole->progress.expected = steps * each;
   fprintf(stderr, "hooke: %.2g steps of %.2g s are to come, which take about %s", steps,
           fmin(step->length.dt, 1 / step->fps), duration(steps * each, now, sizeof now));
   if (label) hk_plain_line(stiffest, sizeof stiffest, label);
@@ -123,7 +123,7 @@ static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *
 }
 
 /* Adaptive methods take a step a frame at least. */
-static void foretell_long(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
+static void estimate_long(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
   double opening = hk_clock() - whole->asked.opened_at, evaluation = time_evaluation(whole), next = NAN;
   bool implicit = is_implicit(whole->loop.method);
   double steps = steps_to_come(whole, whole->step->length.dt),
@@ -132,7 +132,7 @@ static void foretell_long(const hk_scene_loader *loader, const hk_run_options *f
   if (!(part_of_run * steps * least > cost)) return;
   double tried = implicit ? IMPLICIT_TRIAL : fmin(fmax(trial / least, 1), EXPLICIT_TRIAL);
   double each = time_steps(loader, first, first->integrator, first->dt, (size_t)tried, &next);
-  if (isfinite(each)) hk_progress_foretell(&whole->progress, each, steps_to_come(whole, next));
+  if (isfinite(each)) hk_progress_expect(&whole->progress, each, steps_to_come(whole, next));
 }
 
 void hk_runtime_estimate(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
@@ -140,7 +140,7 @@ void hk_runtime_estimate(const hk_scene_loader *loader, const hk_run_options *fi
   bool fixed = !is_implicit(method) && !(method->flags & HK_ADAPTIVE);
   if (first->progress <= 0) return;
   if (fixed && steps_to_come(whole, whole->step->length.dt) > many_steps)
-    foretell_stiff(loader, first, whole);
+    estimate_stiff(loader, first, whole);
   else
-    foretell_long(loader, first, whole);
+    estimate_long(loader, first, whole);
 }

@@ -247,10 +247,9 @@ static bool are_truths(const void *data, const size_t *at, size_t count) {
 }
 
 static bool read_figures(hk_record *r, hk_walk *w, size_t forces) {
-  static const size_t truths[] = {offsetof(hk_record, moved), offsetof(hk_record, corrected),
-                                  offsetof(hk_record, sourced), offsetof(hk_record, by_hand),
-                                  offsetof(hk_record, growth_expected),
-                                  offsetof(hk_record, contact.repairs)};
+  static const size_t truths[] = {offsetof(hk_record, moved),           offsetof(hk_record, corrected),
+                                  offsetof(hk_record, sourced),         offsetof(hk_record, by_hand),
+                                  offsetof(hk_record, growth_expected), offsetof(hk_record, contact.repairs)};
   if (!hk_walk_get(w, r, sizeof *r) || !are_truths(r, truths, sizeof truths / sizeof *truths)) return false;
   if (!memchr(r->contact.first, 0, sizeof r->contact.first)) return false; /* it is printed */
   bool none_passed = r->passed[0] == 0 && r->passed[1] == 0 && r->passed[2] == 0;
@@ -258,9 +257,10 @@ static bool read_figures(hk_record *r, hk_walk *w, size_t forces) {
 }
 
 static bool read_progress(progress *p, hk_walk *w) {
-  static const size_t truths[] = {offsetof(progress, spectrum.rigorous),     offsetof(progress, spectrum.covered),
-                                  offsetof(progress, watch.allowed.covered), offsetof(progress, watch.last.covered),
-                                  offsetof(progress, watch.seen.covered),    offsetof(progress, watch.expected.covered)};
+  static const size_t truths[] = {
+      offsetof(progress, spectrum.rigorous),     offsetof(progress, spectrum.covered),
+      offsetof(progress, watch.allowed.covered), offsetof(progress, watch.last.covered),
+      offsetof(progress, watch.seen.covered),    offsetof(progress, watch.expected.covered)};
   return hk_walk_get(w, p, sizeof *p) && p->dt > 0 && are_truths(p, truths, sizeof truths / sizeof *truths);
 }
 

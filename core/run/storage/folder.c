@@ -263,7 +263,7 @@ static bool is_ours(hk_folder *f) {
          info.st_mtim.tv_nsec == f->released.tv_nsec && fseek(f->list, 0, SEEK_END) == 0;
 }
 
-bool hk_folder_take_back(hk_folder *f) {
+bool hk_folder_restore(hk_folder *f) {
   hk_error ignored = {0};
   if (!f || f->count == 0) return false;
   if (f->list) return true;

@@ -15,7 +15,7 @@ hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); 
 /* After the last file: other runs may write there. */
 void hk_folder_release(hk_folder *);
 /* Holds a folder again that was released. False: it has no files of this run, or another run has begun there since. */
-bool hk_folder_take_back(hk_folder *);
+bool hk_folder_restore(hk_folder *);
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */

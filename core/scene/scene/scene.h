@@ -62,9 +62,9 @@ typedef struct hk_scene {
   char *exact_where, *start_where, *auto_where;
   hk_scene_places_list places; /* of builders */
   hk_warnings warnings;        /* what the script says and has no effect, or not the one that may be meant; for runs */
-  char *origin;         /* origin.c: its script, modules, meshes and parameters; NULL: not known */
-  bool spent;           /* hk_scene_spend() has freed positions, velocities, masses, groups, edges and triangles */
-  bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
+  char *origin;                /* origin.c: its script, modules, meshes and parameters; NULL: not known */
+  bool spent;  /* hk_scene_spend() has freed positions, velocities, masses, groups, edges and triangles */
+  bool frozen; /* a run was made of the scene, or the script has ended: builders refuse it */
 } hk_scene;
 
 /* Frees the arrays that a run has copied: positions, velocities, masses, groups, edges and triangles. n, the groups'

@@ -287,9 +287,7 @@ static bool give_name(hk_h5_file *f) {
   return true;
 }
 
-bool hk_h5_seal(hk_h5_file *f) {
-  return library(f, H5Fstart_swmr_write(f->id)) && hk_h5_commit(f) && give_name(f);
-}
+bool hk_h5_seal(hk_h5_file *f) { return library(f, H5Fstart_swmr_write(f->id)) && hk_h5_commit(f) && give_name(f); }
 
 bool hk_h5_commit(hk_h5_file *f) { return library(f, H5Fflush(f->id, H5F_SCOPE_LOCAL)) && apply_all(f); }
 

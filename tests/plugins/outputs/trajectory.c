@@ -1,5 +1,5 @@
-/* The output trajectory: a file of the same run has the same bytes, whenever that was. The clock of the library that writes
- * it is set by a `gettimeofday` of the test's own, which the linker finds first. */
+/* The output trajectory: a file of the same run has the same bytes, whenever that was. The clock of the library that
+ * writes it is set by a `gettimeofday` of the test's own, which the linker finds first. */
 #include "tests/support/command.h"
 
 #include <setjmp.h>
@@ -12,10 +12,9 @@
 
 #include <cmocka.h>
 
-static const char *const clock_source =
-    "#include <stdlib.h>\n#include <sys/time.h>\n"
-    "int gettimeofday(struct timeval *restrict at, void *restrict zone) {\n"
-    "  at->tv_sec = atol(getenv(\"NOW\"));\n  at->tv_usec = 0;\n  return 0;\n}\n";
+static const char *const clock_source = "#include <stdlib.h>\n#include <sys/time.h>\n"
+                                        "int gettimeofday(struct timeval *restrict at, void *restrict zone) {\n"
+                                        "  at->tv_sec = atol(getenv(\"NOW\"));\n  at->tv_usec = 0;\n  return 0;\n}\n";
 
 static const char *const scene =
     "local s = hooke.scene { duration = 0.1, fps = 20, dt = 0.01, integrator = 'leapfrog' }\n"
@@ -24,10 +23,10 @@ static const char *const scene =
 
 static void a_run_has_the_same_file_at_any_time(void **state) {
   (void)state;
-  static const char *const before =
-      "cc -shared -fPIC now.c -o now.so && LD_PRELOAD=$PWD/now.so NOW=100000 \"$HOOKE\" run s.lua --trust --quiet --out a &&"
-      " LD_PRELOAD=$PWD/now.so NOW=900000 \"$HOOKE\" run s.lua --trust --quiet --out b &&"
-      " cmp a/trajectory.h5 b/trajectory.h5 && ";
+  static const char *const before = "cc -shared -fPIC now.c -o now.so && LD_PRELOAD=$PWD/now.so NOW=100000 \"$HOOKE\" "
+                                    "run s.lua --trust --quiet --out a &&"
+                                    " LD_PRELOAD=$PWD/now.so NOW=900000 \"$HOOKE\" run s.lua --trust --quiet --out b &&"
+                                    " cmp a/trajectory.h5 b/trajectory.h5 && ";
   char all[2048];
   test_result r;
   test_write("now.c", clock_source);

@@ -213,7 +213,9 @@ local function the_same_in_any_order(plugin, lines)
   for k = 1, actor.CROWD do
     local moves = false
     for e = 3 * k - 2, 3 * k do moves = moves or c.x[e] ~= c.x[e] or c.v[e] ~= c.v[e] end
-    if moves and first and second then return lines:wrong(("particle %d of a crowd becomes no number"):format(k), "see what is divided by") end
+    if moves and first and second then
+      return lines:wrong(("particle %d of a crowd becomes no number"):format(k), "see what is divided by")
+    end
   end
 end
 

@@ -208,9 +208,10 @@ local function the_same_files(plugin, lines)
       if scene then watching.quiet(scene, false) end
       return fine and watching.open(run, plugin.kind) or nil, { scene, run }
     end
-    local kept, a = {}, nil
+    local kept = {}
     lines:at("%s", settings[1].name)
     inspect.fill(0)
+    local a
     a, kept[1] = opened()
     if not a then return end
     watching.into(a, folder("alone"))

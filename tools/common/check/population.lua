@@ -61,7 +61,7 @@ local function differ(p, q)
   if #p ~= #q then return ("%d numbers, and %d of one that was made for them"):format(#p, #q) end
   for k = 1, #p do
     local same = p[k] == q[k] or (p[k] ~= p[k] and q[k] ~= q[k])
-    if not same and not (math.abs(p[k] - q[k]) <= ROUNDING * math.max(1, math.abs(q[k]))) then
+    if not same and not (math.abs(p[k] - q[k]) <= ROUNDING * math.max(1, math.abs(q[k]))) then -- luacheck: ignore 581
       return ("number %d is %.9g, and %.9g of one that was made for them"):format(k, p[k], q[k])
     end
   end

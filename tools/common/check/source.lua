@@ -45,7 +45,7 @@ local function births_are_whole(plugin, lines)
           return lines:wrong(("a particle of the age %g s is born in a step of 0.05 s"):format(b.age),
             "ages are from 0 to h", where)
         end
-        if b.lifetime and not (b.lifetime > 0) then
+        if b.lifetime and not (b.lifetime > 0) then -- luacheck: ignore 581
           return lines:wrong(("a particle is born with the lifetime %g s"):format(b.lifetime), "INFINITY: it stays", where)
         end
         if b.group >= math.max(groups, 1) then
@@ -132,7 +132,7 @@ local function same_births_for_any_step(plugin, lines)
       first[setting.name] = list
       for k = 1, other and math.min(#list, #other) - 3 or 0 do
         for c = 1, 8 do
-          if not (math.abs(list[k][c] - other[k][c]) <= 1e-9 * (1 + math.abs(other[k][c]))) then
+          if not (math.abs(list[k][c] - other[k][c]) <= 1e-9 * (1 + math.abs(other[k][c]))) then -- luacheck: ignore 581
             return lines:wrong(("birth %d hangs on the step: at %.9g s with steps of 0.1 s, at %.9g s with 0.0125 s"):format(k,
               other[k][1], list[k][1]), "give births the age since they were due, and draw numbers by the number of the birth")
           end

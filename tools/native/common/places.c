@@ -3,8 +3,8 @@
 
 enum { BOX, LINE, PLANE, HEAP, LATTICE, FAR, TWINS };
 
-const char *const hk_places_names[] = {"a box", "a line", "a plane", "a heap", "a lattice", "a box and some far off",
-                                      "pairs in one place", NULL};
+const char *const hk_places_names[] = {
+    "a box", "a line", "a plane", "a heap", "a lattice", "a box and some far off", "pairs in one place", NULL};
 
 /* Between 0 and 1. */
 static double random_number(hk_places *c) {
@@ -18,12 +18,18 @@ static double random_number(hk_places *c) {
 static double place(hk_places *c, size_t i, int k) {
   double u = random_number(c);
   switch (c->shape) {
-  case LINE: return k == 0 ? 20 * u : 0;
-  case PLANE: return k == 2 ? -0.5 : 3 * u;
-  case HEAP: return i % 2 ? 1e-3 * u : 1e-9 * u;
-  case LATTICE: return 0.1 * (double)(k == 0 ? i % 11 : k == 1 ? i / 11 % 13 : i / 143) - 0.5;
-  case FAR: return i % 100 == 7 ? 1e6 * (u - 0.5) : u;
-  default: return u - 0.5;
+  case LINE:
+    return k == 0 ? 20 * u : 0;
+  case PLANE:
+    return k == 2 ? -0.5 : 3 * u;
+  case HEAP:
+    return i % 2 ? 1e-3 * u : 1e-9 * u;
+  case LATTICE:
+    return 0.1 * (double)(k == 0 ? i % 11 : k == 1 ? i / 11 % 13 : i / 143) - 0.5;
+  case FAR:
+    return i % 100 == 7 ? 1e6 * (u - 0.5) : u;
+  default:
+    return u - 0.5;
   }
 }
 

@@ -151,9 +151,12 @@ static const char *check_order(const hk_octree *tree, const uint32_t *list, size
   for (size_t k = 0; state && k < count; k++) state[list ? list[k] : k] = 1;
   for (size_t k = 0; k < count && !wrong; k++) {
     size_t i = tree->order[k];
-    if (i >= n || state[i] == 0) wrong = say("`order` names particle %zu, which was not asked for", i + 1);
-    else if (state[i] == 2) wrong = say("`order` has particle %zu twice", i + 1);
-    else state[i] = 2;
+    if (i >= n || state[i] == 0)
+      wrong = say("`order` names particle %zu, which was not asked for", i + 1);
+    else if (state[i] == 2)
+      wrong = say("`order` has particle %zu twice", i + 1);
+    else
+      state[i] = 2;
   }
   free(state);
   return wrong;
@@ -163,8 +166,9 @@ const char *hk_compare_octree(const hk_octree *tree, const double *x, const uint
   octree_case o = {tree, x, 0};
   if (tree->points != count) return say("it has %zu points, of %zu that it was asked for", tree->points, count);
   const char *wrong = check_order(tree, list, count, n);
-  if (!wrong && count && (tree->cells == 0 || tree->cell[0].begin != 0 || tree->cell[0].count != count ||
-                          tree->cell[0].next != tree->cells))
+  if (!wrong && count &&
+      (tree->cells == 0 || tree->cell[0].begin != 0 || tree->cell[0].count != count ||
+       tree->cell[0].next != tree->cells))
     wrong = say("the first cell is not the root, which has all points and all cells");
   if (wrong || count == 0) return wrong;
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};

@@ -62,7 +62,7 @@ static int foretell(test_engine *e, double *said) {
   reopening second = {.scene = e->scene};
   hk_scene_loader loader = {open_again, close_again, &second};
   hk_runtime_estimate(&loader, &e->options, e->run);
-  *said = e->run->progress.foretold;
+  *said = e->run->progress.expected;
   return second.opened;
 }
 

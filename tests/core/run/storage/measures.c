@@ -12,13 +12,12 @@
 
 #include <cmocka.h>
 
-static const char scene[] =
-    "local scene = hooke.scene { duration = 0.2, fps = 10 }\n"
-    "local p = scene:particle { position = {0, 0, 1}, mass = 1 }\n"
-    "for _, name in ipairs { 'plain', 'a,b', 'say \"x\"', 'two\\nlines', 'back\\rto', '\"',"
-    " '=1+1', '-a,b', '@x', '+1' } do\n"
-    "  scene:measure(name, function(s) return -s:position(p)[3] end)\nend\n"
-    "scene:output('table')\nreturn scene\n";
+static const char scene[] = "local scene = hooke.scene { duration = 0.2, fps = 10 }\n"
+                            "local p = scene:particle { position = {0, 0, 1}, mass = 1 }\n"
+                            "for _, name in ipairs { 'plain', 'a,b', 'say \"x\"', 'two\\nlines', 'back\\rto', '\"',"
+                            " '=1+1', '-a,b', '@x', '+1' } do\n"
+                            "  scene:measure(name, function(s) return -s:position(p)[3] end)\nend\n"
+                            "scene:output('table')\nreturn scene\n";
 
 static const char names[] = "plain,\"a,b\",\"say \"\"x\"\"\",\"two\nlines\",\"back\rto\",\"\"\"\","
                             "'=1+1,\"'-a,b\",'@x,'+1\n";

@@ -101,8 +101,7 @@ static void the_skin_of_tetrahedra_encloses_their_volume(void **state) {
   (void)state;
   static const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   hk_mesh m = {0};
-  for (uint32_t k = 0; k < 8; k++)
-    assert_null(hk_mesh_add_vertex(&m, (const double[]){k & 1, k >> 1 & 1, k >> 2 & 1}));
+  for (uint32_t k = 0; k < 8; k++) assert_null(hk_mesh_add_vertex(&m, (const double[]){k & 1, k >> 1 & 1, k >> 2 & 1}));
   assert_null(hk_mesh_add_vertex(&m, (const double[]){5, 5, 5}));
   for (int t = 0; t < 6; t++) {
     uint32_t c[4] = {0, 1u << order[t][0], (1u << order[t][0]) | (1u << order[t][1]), 7};

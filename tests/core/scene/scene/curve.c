@@ -1,5 +1,5 @@
-/* Curves by arc length and the stiffnesses of sections, against closed forms: a helix has unit speed, its radius and its
- * pitch; one that is given by curvature and torsion has these; points divide a polygon into equal lengths. */
+/* Curves by arc length and the stiffnesses of sections, against closed forms: a helix has unit speed, its radius and
+ * its pitch; one that is given by curvature and torsion has these; points divide a polygon into equal lengths. */
 #include "core/scene/scene/scene.h"
 
 #include <setjmp.h>
@@ -45,8 +45,8 @@ static void a_helix_has_its_radius_and_pitch(void **state) {
   assert_true(fabs(distance(half, a) - 2 * radius) < 1e-14);
 }
 
-/* Frenet: |x'| = 1, |x''| = curvature, x'.(x'' x x''') = curvature^2 torsion. h = 1e-3: differences are off by h^2 times
- * derivatives of order 100, and by rounding 1e-16 / h^3. */
+/* Frenet: |x'| = 1, |x''| = curvature, x'.(x'' x x''') = curvature^2 torsion. h = 1e-3: differences are off by h^2
+ * times derivatives of order 100, and by rounding 1e-16 / h^3. */
 static void a_helix_has_its_curvature_and_torsion(void **state) {
   (void)state;
   const double curvature = 2, torsion = 1.5, tangent[3] = {0.6, 0, 0.8}, s = 0.3, h = 1e-3, tolerance = 1e-4;

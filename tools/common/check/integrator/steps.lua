@@ -50,8 +50,8 @@ local function rejects_long_steps(plugin, lines)
       return lines:wrong(("it takes a step whose error it estimates to be %.3g times the tolerance"):format(r.error),
         "take a step back whose estimate is above 1, and try a shorter one")
     end
-    local steps = math.max(64, math.ceil(r.h * 20000))
-    local off = scenes.distance(r.X, method.run(exact, { h = r.h / steps, steps = steps }).X, 1, 18)
+    local parts = math.max(64, math.ceil(r.h * 20000))
+    local off = scenes.distance(r.X, method.run(exact, { h = r.h / parts, steps = parts }).X, 1, 18)
     if off > LENIENT * tol or off ~= off then
       return lines:wrong(("with tol = %g it takes a step of %.3g s that is %.2g off"):format(tol, r.h, off),
         "take a step back whose estimate is above 1, and try a shorter one")

@@ -93,7 +93,7 @@ static double bump(double x, double y) {
 static uint32_t bump_through_sheet(bench *b) {
   memset(b, 0, sizeof *b);
   b->s = test_surfaces_open(1, 5, 2000);
-  b->s->request = (hk_surface_request){1e-3, 1e-3, 5e-4, NULL};
+  b->s->request = (hk_surface_request){.thickness = 1e-3, .body_thickness = 1e-3, .radius = 5e-4};
   test_surfaces_sheet(b->s, CELLS, (double[]){0, 0, 0});
   uint32_t second = test_surfaces_sheet(b->s, CELLS, bump_place);
   for (size_t i = second; i < b->s->model.n; i++) b->s->x[3 * i + 2] += bump(b->s->x[3 * i], b->s->x[3 * i + 1]);
@@ -215,7 +215,7 @@ static void velocities_lose_what_goes_further_in(void **state) {
 static void crossed_strips_have_a_curve_from_border_to_border(void **state) {
   (void)state;
   bench b = {.s = test_surfaces_open(1, 5, 2000)};
-  b.s->request = (hk_surface_request){1e-3, 1e-3, 5e-4, NULL};
+  b.s->request = (hk_surface_request){.thickness = 1e-3, .body_thickness = 1e-3, .radius = 5e-4};
   uint32_t first = test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
   uint32_t second = test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
   for (uint32_t i = first; i < b.s->model.n; i++) {
@@ -242,7 +242,7 @@ static void crossed_strips_have_a_curve_from_border_to_border(void **state) {
 static void curves_that_nearly_cut_are_prolonged(void **state) {
   (void)state;
   bench b = {.s = test_surfaces_open(1, 5, 2000)};
-  b.s->request = (hk_surface_request){1e-3, 1e-3, 5e-4, NULL};
+  b.s->request = (hk_surface_request){.thickness = 1e-3, .body_thickness = 1e-3, .radius = 5e-4};
   test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
   uint32_t second = test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
   for (uint32_t i = second; i < b.s->model.n; i++) {
@@ -274,7 +274,7 @@ static void curves_that_nearly_cut_are_prolonged(void **state) {
 static void a_folded_fan_ends_at_its_tip(void **state) {
   (void)state;
   bench b = {.s = test_surfaces_open(1, 5, 100)};
-  b.s->request = (hk_surface_request){1e-6, 1e-6, 5e-7, NULL};
+  b.s->request = (hk_surface_request){.thickness = 1e-6, .body_thickness = 1e-6, .radius = 5e-7};
   uint32_t tip = test_surfaces_particle(b.s, 0, 0, 0), rim[4];
   const double place[4][3] = {{1, 1, 0.1}, {1, -1, -0.1}, {1.2, -1, 0.4}, {1.1, 0.9, -0.3}};
   for (int k = 0; k < 4; k++) rim[k] = test_surfaces_particle(b.s, place[k][0], place[k][1], place[k][2]);
@@ -292,7 +292,7 @@ static void any_mess_is_traced(void **state) {
   (void)state;
   for (uint64_t seed = 1; seed <= 20; seed++) {
     bench b = {.s = test_surfaces_open(1, seed, 2000)};
-    b.s->request = (hk_surface_request){1e-9, 1e-9, 5e-10, NULL};
+    b.s->request = (hk_surface_request){.thickness = 1e-9, .body_thickness = 1e-9, .radius = 5e-10};
     for (int k = 0; k < 60; k++) {
       uint32_t v[3];
       for (int j = 0; j < 3; j++)
@@ -342,7 +342,7 @@ static double length_of_curve(const bench *b, const double *x) {
 static void curves_become_shorter_along_their_gradient(void **state) {
   (void)state;
   bench b = {.s = test_surfaces_open(1, 9, 100)};
-  b.s->request = (hk_surface_request){1e-9, 1e-9, 5e-10, NULL};
+  b.s->request = (hk_surface_request){.thickness = 1e-9, .body_thickness = 1e-9, .radius = 5e-10};
   uint32_t floor[3];
   const double corner[3][3] = {{-9, -8, 0.1}, {9, -7, -0.1}, {0, 11, 0.05}};
   for (int k = 0; k < 3; k++) floor[k] = test_surfaces_particle(b.s, corner[k][0], corner[k][1], corner[k][2]);
