@@ -72,11 +72,11 @@ local function is_size(value) return math.type(value) == "integer" and value >= 
 
 -- What is wrong with an item, or nil.
 local function fault_of(item)
-  if type(item) ~= "table" or type(item[1]) ~= "string" then return "an item is { \"SCENE\", at = SECONDS }" end
+  if type(item) ~= "table" or type(item[1]) ~= "string" then return "each of its scenes is a table that begins with a name" end
   local name = folder_of(item)
   if name == "" or name == "." or name == ".." then return ("'%s' is no scene"):format(item[1]) end
   if type(item.at) ~= "number" or not (item.at >= 0 and item.at < math.huge) then
-    return ("%s: at is a time, s"):format(item[1])
+    return ("'%s' has no moment: at = SECONDS"):format(item[1])
   end
   if item.param ~= nil and type(item.param) ~= "table" then return ("%s: param is a table"):format(item[1]) end
   for key, value in pairs(item.param or {}) do
@@ -86,25 +86,30 @@ local function fault_of(item)
   end
 end
 
+-- What is wrong with a list, or nil.
+local function wrong_in(plan)
+  local seen = {}
+  for _, item in ipairs(plan) do
+    local why = fault_of(item) or seen[folder_of(item)] and ("%s stands twice in it"):format(folder_of(item))
+    if why then return why end
+    seen[folder_of(item)] = true
+  end
+  for _, key in ipairs { "width", "height", "columns" } do
+    if not is_size(plan[key]) then return ("%s has to be a whole number above 0"):format(key) end
+  end
+  if #plan == 0 then return "it names no scene" end
+  local film = plan.film
+  if film == nil then return nil end
+  if fault_of(film) then return fault_of(film) end
+  if not (is_size(film.width) and type(film.fps) == "number" and film.fps > 0) then
+    return "film needs a width and fps, numbers"
+  end
+end
+
 -- The list in the file, read as scenes are, in their sandbox and under their limits; or nil and why not.
 local function read_list(path)
   local plan, why = hooke.definition(path)
-  if not plan then return nil, why end
-  local seen = {}
-  for _, item in ipairs(plan) do
-    why = why or fault_of(item) or seen[folder_of(item)] and ("%s stands twice in it"):format(folder_of(item))
-    if not why then seen[folder_of(item)] = true end
-  end
-  local film = plan.film
-  if film ~= nil then
-    why = why or fault_of(film)
-    if not why and not (is_size(film.width) and type(film.fps) == "number" and film.fps > 0) then
-      why = "film: width is a number of pixels, fps one of frames a second"
-    end
-  end
-  if not (is_size(plan.width) and is_size(plan.height) and is_size(plan.columns)) then
-    why = why or "width, height and columns are whole numbers from 1 on"
-  end
+  why = plan == nil and why or wrong_in(plan)
   return not why and plan or nil, why
 end
 

@@ -37,12 +37,12 @@ return scene
 refused("while true do end", "instructions")
 refused("io.open('stolen', 'w')", "is not available")
 refused("return 3", "it has to return a table")
-refused("return { width = 32 }", "width, height and columns are whole numbers")
-refused("return { " .. sizes .. "{ 'ball' } }", "ball: at is a time, s")
+refused("return { width = 32 }", "height has to be a whole number above 0")
+refused("return { " .. sizes .. "{ 'ball' } }", "'ball' has no moment")
 refused("return { " .. sizes .. "{ '../..', at = 1 } }", "'../..' is no scene")
 refused("return { " .. sizes .. "{ 'ball', at = 1 }, { '../elsewhere/ball', at = 1 } }", "ball stands twice")
 refused("return { " .. sizes .. "{ 'ball', at = 1, param = { ['--trust'] = 1 } } }", "is no name = value")
-refused("return { " .. sizes .. "{ 'ball', at = 1 }, film = { 'ball', at = 1, width = '1;touch x', fps = 1 } }", "film: width")
+refused("return { " .. sizes .. "{ 'ball', at = 1 }, film = { 'ball', at = 1, width = '1;touch x', fps = 1 } }", "film needs a width and fps")
 assert(not shell("test -e stolen"))
 
 -- ---- its scenes ----

@@ -70,9 +70,8 @@ static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state)
 static void a_list_that_is_none_of_the_gallery_is_explained(void **state) {
   (void)state;
   static const char *const wrong[][2] = {
-      {"return hooke.scene {}\n",
-       "list.lua is no list of scenes: it uses 'hooke'; scripts/gallery.lua is one, and a scene"},
-      {"return 3\n", "list.lua is no list of scenes: it returns a number, not a table"},
+      {"return hooke.scene {}\n", "list.lua is no list of scenes: list.lua:1: hooke has no 'scene'"},
+      {"return 3\n", "list.lua is no list of scenes: list.lua: it has to return a table"},
       {"return { width = 8, height = 8 }\n", "columns has to be a whole number above 0"},
       {"return { width = 8, height = 8, columns = 1 }\n", "it names no scene"},
       {"return { width = 8, height = 8, columns = 1, 'flag' }\n",

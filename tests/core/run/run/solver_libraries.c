@@ -137,7 +137,7 @@ static void explain_names_the_blas_of_an_implicit_method_and_warns(void **state)
   assert_null(strstr(r.out, "reference BLAS"));
   run(before, "explain named.lua");
   says(r.out, ", reference BLAS (slow: install OpenBLAS)\n");
-  says(r.out, "\nwarning: cholmod: CHOLMOD runs on the reference BLAS");
+  says(r.out, "\nwarning: named.lua:8: cholmod: CHOLMOD runs on the reference BLAS");
   says(r.out, "tools/install-deps run");
 }
 

@@ -49,7 +49,7 @@ files.write(folder .. "/secret", secret:rep(8))
 -- ---- what the file says ----
 
 local tried, accepted = 0, {}
-local make = ("cd %s && %s %s/tests/plugins/outputs/foreign_recordings.py good/trajectory.h5 secret"):format(folder, python, root)
+local make = ("cd %s && %s %s/tests/plugins/common/hdf5/foreign_recordings.py good/trajectory.h5 secret"):format(folder, python, root)
 for name in assert(io.popen(make .. " list -")):lines() do
   assert(shell("rm -rf bad bad.csv bad.html && mkdir bad"))
   assert(os.execute(("%s %s bad/trajectory.h5"):format(make, name)), name)
