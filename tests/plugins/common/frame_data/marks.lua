@@ -3,7 +3,7 @@
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
-if not _G.hooke then os.exit(require("tool_tree").run(root, build, "tests/plugins/outputs/marks.lua")) end
+if not _G.hooke then os.exit(require("tool_tree").run(root, build, "tests/plugins/common/frame_data/marks.lua")) end
 local files = require("files")
 local built, recording = pcall(require, "recording")
 if not built then
