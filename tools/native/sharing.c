@@ -90,12 +90,14 @@ static int neighbours(lua_State *L) {
 
 /* ---- octree/1 ---- */
 
-/* The tree of all, and of two lists of as many, every third from the last on. */
-static const char *try_trees(question *q, const hk_octrees *s, uint32_t *list, hk_status *status) {
+/* The tree of all, and of two lists of as many, every third from the last on; or backwards, so that the points that were
+ * asked for last are asked for again when they have moved. */
+static const char *try_trees(question *q, const hk_octrees *s, uint32_t *list, bool backwards, hk_status *status) {
   const char *wrong = NULL;
   size_t n = q->actor->n;
-  for (size_t some = 0; some < 3 && *status == HK_OK && !wrong; some++) {
+  for (size_t turn = 0; turn < 3 && *status == HK_OK && !wrong; turn++) {
     hk_octree tree = {0};
+    size_t some = backwards ? 2 - turn : turn;
     size_t count = some ? n / 3 : n;
     for (size_t k = 0; some && k < count; k++) list[k] = (uint32_t)(n - 3 * k - some);
     hk_guard_enter("tree");
@@ -115,7 +117,7 @@ static int octree(lua_State *L) {
   const char *wrong = NULL;
   for (int k = 0; k < MOVES && status == HK_OK && !wrong; k++) {
     move(&q, k, 0.1);
-    wrong = try_trees(&q, s, list, &status);
+    wrong = try_trees(&q, s, list, k % 2 == 1, &status);
   }
   return answer(L, &q, status, wrong);
 }
