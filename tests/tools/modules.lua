@@ -90,7 +90,8 @@ local by_environment = loaded()
 expect(by_environment:find("LUA_INIT", 1, true) and by_environment:find("named/page", 1, true),
   "Lua itself does not load what the environment names")
 shell("cd '%s' && '%s' -e 'package.path = \"\" require \"process\"'", here, lua)
-expect(loaded():find("ESCAPED", 1, true), "Lua itself does not load the planted shared object")
+-- (One with sanitizers is loaded by programs with sanitizers alone.)
+expect(loaded():find("ESCAPED", 1, true) or build:find("sanitize"), "Lua itself does not load the planted shared object")
 shell("cd '%s' && env %s mkdir", here, environment)
 expect(loaded():find("program mkdir", 1, true), "the shell does not start the planted programs")
 if shell("command -v gnuplot") ~= "" then
