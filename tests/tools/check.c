@@ -1,6 +1,8 @@
-/* hooke check of forces and integrators: each fault that is put into one that is right is found, in the sentence that
- * names it (check_faults.h). The longest tables, and the plugins of the build, are in check_long.c. */
+/* hooke check: faults that are put into plugins that are right are found, in the sentence that names them
+ * (check_faults.h). Every fourth of them: check_long.c tries all, the longest tables, and the plugins of the build. */
 #include "tests/tools/check_faults.h"
+
+static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 4); }
 
 /* Its right one takes memory of malloc in `create` and frees it in `destroy`. */
 static void faults_of_habits_are_named(void **state) {
