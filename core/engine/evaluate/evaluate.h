@@ -42,7 +42,11 @@ typedef struct hk_constraint_calls {
   /* `a` is F/m with pins on entry, and includes constraint forces on return. What they do as time passes, with all else
    * at rest, is added to `power`, W. */
   hk_status (*accelerate)(hk_dynamics *, double t, const double *x, const double *v, double *a, double *power);
+  /* After a step of h s to x and v, before `project`. *part: the part of it, in (0, 1), at which a one-sided equation
+   * is first met; 1: none is. */
+  hk_status (*impact)(hk_dynamics *, double t, double *x, double *v, double h, double *part);
   hk_status (*project)(hk_dynamics *, double t, double *x, double *v); /* after a step: brings x and v onto them */
+  bool (*may_strike)(const hk_dynamics *);                             /* some equation is one-sided */
   bool (*jumped)(hk_dynamics *);        /* since this was last asked: the histories of methods are void */
   void (*forget)(hk_dynamics *);        /* what is kept from one step to the next */
   hk_status (*topology)(hk_dynamics *); /* after births and deaths */

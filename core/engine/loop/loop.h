@@ -21,6 +21,7 @@ typedef struct hk_record {
   bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
   bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
   bool growth_expected;  /* the integrator has no stable step on this scene */
+  size_t late_impacts;   /* number of steps at whose end a one-sided equation was met late */
   size_t rejected;       /* number of steps rejected by contact or by correctors */
   /* By the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose.
    */

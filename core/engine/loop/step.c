@@ -24,11 +24,12 @@ enum {
   MOVES = 32,      /* moves are checked against contact, as the method does not */
   ENCOUNTERS = 64, /* somebody looks at what the step missed */
   CORRECTORS = 128,
-  CHOSEN = 256 /* the stages have been chosen */
+  IMPACTS = 256, /* one-sided equations are met inside steps; at their ends a method of order 1 keeps its order */
+  CHOSEN = 512   /* the stages have been chosen */
 };
 
 static hk_step_stage interruption, sources, equations, keep_before, contact_candidates, integrator, arrival, pins,
-    constraints, moves, encounters, correctors, acceptance;
+    impacts, constraints, moves, encounters, correctors, acceptance;
 
 typedef struct stage {
   unsigned need;
@@ -47,6 +48,7 @@ static const stage attempt[] = {
     {ALWAYS, integrator}, /* with pins, parameters of the time, forces and constraints in every evaluation */
     {ALWAYS, arrival},    /* the new time */
     {PINS, pins},
+    {IMPACTS, impacts},
     {CONSTRAINTS, constraints},
     {MOVES, moves},
     {ENCOUNTERS, encounters},
@@ -62,6 +64,7 @@ static unsigned needs_of(const hk_loop *loop) {
   unsigned needs = CHOSEN;
   if (loop->emit) needs |= SOURCES;
   if (d->constrain) needs |= CONSTRAINTS;
+  if (d->constrain && loop->method->order > 1 && d->constrain->may_strike(d)) needs |= IMPACTS | BEFORE;
   if (d->updates) needs |= CANDIDATES;
   if (loop->pins->has_paths || loop->pins->has_slides) needs |= PINS;
   if (d->limits && !(loop->method->flags & HK_LIMITS_MOVES)) needs |= MOVES | BEFORE;
@@ -128,7 +131,7 @@ static hk_status equations(hk_loop *loop, hk_attempt *a) {
 
 /* Only the positions where nothing may reject the step. */
 static hk_status keep_before(hk_loop *loop, hk_attempt *a) {
-  bool whole = loop->needs & MOVES || hk_correctors_need_start(loop);
+  bool whole = loop->needs & (MOVES | IMPACTS) || hk_correctors_need_start(loop);
   size_t size = whole ? loop->state->size : 3 * loop->state->model.n + 1; /* 1: there may be no particles */
   double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
   if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
@@ -210,6 +213,21 @@ static hk_status pins(hk_loop *loop, hk_attempt *a) {
   return hk_dynamics_impose(loop->dynamics, s->t, s->X, s->X + 3 * s->model.n);
 }
 
+/* A step in which a one-sided equation is met is taken back, and taken as the part up to there and the rest. */
+static hk_status impacts(hk_loop *loop, hk_attempt *a) {
+  hk_state *s = loop->state;
+  const hk_constraint_calls *constrain = loop->dynamics->constrain;
+  double h = s->t - a->begin, part;
+  hk_status status = constrain->impact(loop->dynamics, s->t, s->X, s->X + 3 * s->model.n, h, &part);
+  if (status != HK_OK || !(part < 1)) return status;
+  a->rejected = !a->last && a->begin + part * h > a->begin;
+  loop->record->late_impacts += !a->rejected;
+  if (!a->rejected) return HK_OK;
+  memcpy(s->X, loop->X_before, s->size * sizeof *s->X);
+  loop->part = part;
+  return HK_OK;
+}
+
 static hk_status constraints(hk_loop *loop, hk_attempt *a) {
   hk_state *s = loop->state;
   const hk_constraint_calls *constrain = loop->dynamics->constrain;
@@ -271,12 +289,13 @@ static hk_status stuck(const hk_loop *loop, double h) {
   return hk_error_set(loop->error, HK_NOT_CONVERGED, "%s takes every step back, down to %g s", loop->rejected_by, h);
 }
 
-/* The state is that before a rejected attempt, and so are the time and the record. */
-static void restore(hk_loop *loop, const hk_attempt *a) {
+/* The state is that before a rejected attempt, and so are the time, the record and what constraints know of it. */
+static hk_status restore(hk_loop *loop, const hk_attempt *a) {
   *loop->record = loop->record_before;
   loop->record->rejected++;
   hk_step_set_time(loop, a->begin);
   hk_step_reset(loop, HK_STATE_CHANGED);
+  return loop->needs & IMPACTS ? loop->dynamics->constrain->update(loop->dynamics) : HK_OK;
 }
 
 static hk_status subdivide(hk_loop *loop, double t_end, double h, double part, int halvings);
@@ -289,7 +308,8 @@ static hk_status fixed_step(hk_loop *loop, double t_end, double h, int halvings)
     return subdivide(loop, t_end, h, 0.5, halvings - 1);
   }
   if (status != HK_OK || !a.rejected) return status;
-  restore(loop, &a);
+  status = restore(loop, &a);
+  if (status != HK_OK) return status;
   if (halvings > 0 && a.begin + loop->part * h > a.begin) return subdivide(loop, t_end, h, loop->part, halvings - 1);
   return stuck(loop, h);
 }
@@ -310,7 +330,8 @@ hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
     hk_attempt a = {.t_stop = tries ? fmin(stop, t + h) : stop, .stop = stop, .h = h, .last = tries == HALVINGS};
     hk_status status = take_stages(loop, &a);
     if (status != HK_OK || !a.rejected) return status;
-    restore(loop, &a);
+    status = restore(loop, &a);
+    if (status != HK_OK) return status;
     h = fmin(h, isnan(a.out.h) ? stop - t : a.out.h);
     if (tries == HALVINGS || t + loop->part * h == t) return stuck(loop, h);
   }

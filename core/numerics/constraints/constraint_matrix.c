@@ -26,10 +26,11 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->block_first);
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
-  void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
-                    c->g,        c->c,     c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
-                    c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
-                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end};
+  void *arrays[] = {c->J,         c->WJ,      c->pin,      c->term,    c->value,      c->full,
+                    c->scale,     c->g,       c->c,        c->rhs,     c->solution,   c->place,
+                    c->path_used, c->speed,   c->residual, c->moved,   c->correction, c->one_sided,
+                    c->implied,   c->touches, c->pushes,   c->allowed, c->held,       c->rests,
+                    c->lambda,    c->kept_x,  c->own,      c->J_end,   c->g_start,    c->rate_start};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   hk_linear_system linear = c->linear, mixed = c->mixed;
   linear.analyzed = mixed.analyzed = false;
@@ -113,11 +114,14 @@ static hk_status allocate(hk_dynamics *d) {
     fine &= *sets[k] != NULL;
   }
   c->g = calloc(m, sizeof *c->g);
+  c->g_start = calloc(m, sizeof *c->g_start);
+  c->rate_start = calloc(m, sizeof *c->rate_start);
   c->c = calloc(m, sizeof *c->c);
   c->rhs = calloc(m, sizeof *c->rhs);
   c->solution = calloc(m, sizeof *c->solution);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
-  fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
+  fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->g_start && c->rate_start && c->c &&
+          c->rhs && c->solution;
   fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
   return fine && c->path_used ? HK_OK : no_memory(d);
 }

@@ -170,6 +170,13 @@ static bool strikes(const hk_constraints *c) {
   return false;
 }
 
+/* Which one-sided equations may take part in an impact. */
+static void allow_touching(hk_constraints *c, const double *x, const double *v) {
+  double size = hk_constraint_extent(c, x);
+  hk_constraint_rate(c, v, c->residual, c->correction);
+  for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->one_sided[k] && hk_constraint_touches(c, k, size);
+}
+
 /* v -= W J^T (J W J^T)^-1 (J v + g_t), J at the new positions; the factors may be those of nearby positions. */
 static hk_status project_velocities(hk_dynamics *d, double t, const double *x, double *v, bool factorized) {
   hk_constraints *c = d->constraints;
@@ -177,6 +184,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
   size_t worst = 0;
   hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
   if (status == HK_OK) status = hk_constraint_speed(d, t, x, v);
+  if (status == HK_OK && c->one_sided_count) allow_touching(c, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
     double relative = velocity_residual(c, v, &worst);
     if (relative <= velocity_tolerance) return HK_OK;
@@ -187,7 +195,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
     if (status == HK_OK) status = hk_active_set_solve(d, c->c, true);
     if (status != HK_OK) return status;
     hk_constraint_matrix_move(c, v);
-    c->jumped |= strikes(c);
+    c->struck |= strikes(c);
   }
   return status == HK_OK ? gave_up(d, worst, false, left) : status;
 }
@@ -203,15 +211,9 @@ static hk_status project(hk_dynamics *d, double t, double *x, double *v) {
   hold_pushing(c);
   memcpy(c->allowed, c->one_sided, c->equations * sizeof *c->allowed);
   hk_status status = project_positions(d, t, x, v, &factorized);
-  double near = hk_constraint_touching * hk_constraint_extent(c, x);
   hold_pushing(c);
-  for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->one_sided[k] && c->g[k] <= near;
   memset(c->pushes, 0, c->equations * sizeof *c->pushes);
   return status == HK_OK ? project_velocities(d, t, x, v, factorized) : status;
-}
-
-static double energy_of(hk_dynamics *d, double t) {
-  return hk_state_kinetic(d->state, d->state->X) + hk_query_potential(d, t, d->state->X);
 }
 
 static bool sinks(const hk_constraints *c) {
@@ -221,18 +223,22 @@ static bool sinks(const hk_constraints *c) {
 }
 
 /* The change of energy by an impact, and by lifting particles that penetrated before contact was detected, counts as
- * work done on the scene. */
+ * work done on the scene: kinetic energy where velocities jumped, potential energy where positions did. */
 static hk_status project_with_contacts(hk_dynamics *d, double t, double *x, double *v) {
   hk_state *s = d->state;
+  hk_constraints *c = d->constraints;
   hk_status status = hk_constraint_value(d, t, x, v);
   if (status != HK_OK) return status;
-  bool impact = x == s->X && sinks(d->constraints);
-  double before = impact ? energy_of(d, t) : 0;
-  d->constraints->jumped = false;
+  bool counts = x == s->X, lifted = counts && sinks(c);
+  double kinetic = counts ? hk_state_kinetic(s, x) : 0, potential = lifted ? hk_query_potential(d, t, x) : 0;
+  c->jumped = c->struck = false;
   status = project(d, t, x, v);
+  c->jumped |= c->struck;
   if (status == HK_OK) status = hk_constraint_find_contacts(d, t, x, v);
-  if (status == HK_OK && impact) s->X[s->size - 1] += energy_of(d, t) - before;
-  return status;
+  if (status != HK_OK || !counts) return status;
+  if (c->struck) s->X[s->size - 1] += hk_state_kinetic(s, x) - kinetic;
+  if (lifted) s->X[s->size - 1] += hk_query_potential(d, t, x) - potential;
+  return HK_OK;
 }
 
 hk_status hk_constraints_project(hk_dynamics *d, double t, double *x, double *v) {

@@ -22,6 +22,7 @@ struct hk_constraints {
   double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
+  double *g_start, *rate_start;   /* equations: g and dg/dt at the start of the step; of one-sided ones */
   double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
   double *moved;                  /* n x 3: W J^T solution */
   double *lambda;                 /* equations: multipliers of the last evaluation */
@@ -36,6 +37,7 @@ struct hk_constraints {
   bool *rests;     /* equations that do not act in the present problem */
   double soft;     /* the present factors are those of A + soft I */
   bool dependent;  /* the present problem has linearly dependent equations */
+  bool struck;     /* velocities jumped in the present projection */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */
@@ -53,8 +55,9 @@ static inline double hk_constraint_dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Largest g that counts as contact, relative to the largest coordinate: generous, see constraint.c. */
-static const double hk_constraint_touching = 1e-10;
+/* Largest g that counts as contact, relative to the largest coordinate, at rest, where the projections leave less than
+ * that, and while it closes: what is left to close then is motion, and its end is found (impact.c). */
+static const double hk_constraint_touching = 1e-10, hk_constraint_met = 1e-12;
 
 /* ---- constraint_values.c ---- */
 
@@ -79,6 +82,9 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
 
 /* ---- constraint.c ---- */
 
+/* Equation k, of g, holds with equality; c->residual and c->correction: its rate, and the sum of the magnitudes of the
+ * rate's terms. `size`: the largest coordinate, m. */
+bool hk_constraint_touches(const hk_constraints *, size_t k, double size);
 /* Finds which one-sided equations touch at x and v. */
 hk_status hk_constraint_find_contacts(hk_dynamics *, double t, const double *x, const double *v);
 
@@ -113,6 +119,13 @@ void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vecto
 hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
 hk_status hk_constraints_shake(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
 hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, double *v, double *work);
+
+/* ---- impact.c ---- */
+
+void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt of the state that a step starts from */
+/* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
+ * start; 1: none is before the end. */
+hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);
 
 /* ---- active_set.c ---- */
 

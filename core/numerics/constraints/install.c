@@ -3,10 +3,14 @@
 
 #include <stdlib.h>
 
+static bool may_strike(const hk_dynamics *d) { return d->constraints->one_sided_count > 0; }
+
 static const hk_constraint_calls calls = {.update = hk_constraints_update,
                                           .accelerate = hk_constraints_accelerate,
+                                          .impact = hk_constraints_impact,
                                           .project = hk_constraints_project,
                                           .jumped = hk_constraints_jumped,
+                                          .may_strike = may_strike,
                                           .forget = hk_constraints_forget,
                                           .topology = hk_constraints_topology};
 

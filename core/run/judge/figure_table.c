@@ -14,6 +14,7 @@ const hk_figure hk_figure_table[] = {
     {NULL, "steps", HK_FIGURE_COUNT, AT(steps), "steps", "%zu"},
     {NULL, "frames", HK_FIGURE_COUNT, AT(frames), NULL, NULL},
     {NULL, "rejected_steps", HK_FIGURE_COUNT, AT(rejected_steps), NULL, " (%zu taken back)"},
+    {NULL, "late_impacts", HK_FIGURE_COUNT, AT(late_impacts), NULL, ", %zu impacts late, at ends of steps"},
     {NULL, "force_evaluations", HK_FIGURE_COUNT, AT(force_evaluations), NULL, ", force evaluations %zu"},
     {NULL, "jacobian_evaluations", HK_FIGURE_COUNT, AT(jacobian_evaluations), NULL, ", Jacobians %zu"},
     {NULL, "factorizations", HK_FIGURE_COUNT, AT(factorizations), NULL, ", factorisations %zu"},

@@ -158,7 +158,7 @@ typedef struct hk_summary {
   char checked[512];  /* what the verdict ok rests on, and what was not checked; "" otherwise */
   char remedy[384];   /* which step or tolerance would do, where it is inaccurate; "" otherwise */
   double t, end, fps; /* s, s, 1/s: time reached, end of the run, frame rate */
-  size_t n, steps, frames, rejected_steps;
+  size_t n, steps, frames, rejected_steps, late_impacts;
   size_t force_evaluations, jacobian_evaluations, factorizations, linear_iterations;
   double dt_min, dt_max, dt_limit; /* s; dt_limit: the smallest of all estimated largest stable steps; NAN: not known */
   bool dt_chosen;

@@ -144,6 +144,7 @@ static void steps(const hk_loop *loop, hk_summary *s) {
   s->steps = r->steps;
   s->frames = r->frames;
   s->rejected_steps = r->rejected;
+  s->late_impacts = r->late_impacts;
   s->dt_min = r->steps ? r->dt_min : NAN;
   s->dt_max = r->steps ? r->dt_max : NAN;
   s->dt_limit = hk_step_choice_of(loop)->dt_limit;
