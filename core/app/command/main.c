@@ -270,7 +270,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     catch_signals();
     o.run.interrupted = &interrupted;
     /* A script with full rights may write files: it is not run again unasked. */
-    o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
+    o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust || o.no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch(registry);
     o.run.disturbed = hk_settings_watch();
     if (o.state) hk_keep_begin(o.state);

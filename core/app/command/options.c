@@ -51,6 +51,8 @@ static const option options[] = {
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
      false},
+    {"--no-check", NULL, "without an accuracy no other run of the scene is made to estimate the error", FLAG,
+     AT(no_check), false},
     {"--watch", NULL,
      "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
      AT(watch), false},

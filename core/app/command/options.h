@@ -14,7 +14,7 @@ typedef struct hk_options {
   FILE *summary_file; /* `summary`, opened before the script runs; NULL: none */
   int threads;
   uint64_t seed, port;
-  bool json, quiet, trust, verify, watch, forces, help;
+  bool json, quiet, trust, verify, no_check, watch, forces, help;
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
   const char **with;     /* as many */

@@ -34,6 +34,7 @@ typedef struct hk_saddle_point hk_saddle_point;
 
 typedef struct hk_counts {
   size_t evaluations, jacobians, factorizations, linear_iterations;
+  size_t special_factorizations; /* of those, by solvers for matrices of a kind */
 } hk_counts;
 
 /* What keeps the constraints of a scene (core/numerics/constraints). */

@@ -62,7 +62,7 @@ typedef struct hk_schedule {
   size_t cuts;
   double part;       /* fraction of a frame at which it is cut as well; 0: no such cut */
   double dt_most;    /* s, longest step of an adaptive method; 0: no limit */
-  size_t step_limit; /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */
+  size_t step_limit; /* the run ends with HK_INTERRUPTED after so many, taken or taken back; 0: no limit */
   const volatile sig_atomic_t *interrupted; /* NULL: the run cannot be interrupted */
 } hk_schedule;
 

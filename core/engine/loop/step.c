@@ -103,7 +103,8 @@ static hk_status take_stages(hk_loop *loop, hk_attempt *a) {
 
 static hk_status interruption(hk_loop *loop, hk_attempt *a) {
   const hk_schedule *s = &loop->schedule;
-  bool asked = s->interrupted && *s->interrupted, counted = s->step_limit && loop->record->steps >= s->step_limit;
+  bool asked = s->interrupted && *s->interrupted,
+       counted = s->step_limit && loop->record->steps + loop->record->rejected >= s->step_limit;
   (void)a;
   loop->between_steps = asked || counted;
   if (asked) return hk_error_set(loop->error, HK_INTERRUPTED, "interrupted at t = %g s", loop->state->t);

@@ -234,6 +234,7 @@ hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, c
   solver->calls++;
   solver->sampled++;
   d->count.factorizations++;
+  d->count.special_factorizations += is_special(solver->plugin);
   return status;
 }
 

@@ -9,8 +9,9 @@
 enum { LEAST_ORDER = 4 };
 
 /* What an implicit step costs, in evaluations: a Jacobian; its factors, of a cloth of 32 x 32 as much as 300
- * evaluations and of 64 x 64 some 590, since those of a surface take n^(3/2) operations (George 1973); in each stage
- * some iterations. */
+ * evaluations and of 64 x 64 some 590, since those of a surface take n^(3/2) operations (George 1973), of chains, by
+ * a solver for matrices of that kind, some 10; in each stage some iterations. Constraints take factors in every
+ * evaluation. */
 static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0.5, factor_per_root = 9,
                     implicit_stage = 8;
 
@@ -24,6 +25,9 @@ static const struct budget {
 /* Parts of the accuracy that a step may be off by: errors of 1e4 steps and more add up. Where that takes too many
  * steps, a coarser reference is better than none, with less confidence. */
 static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
+/* A tolerance that is less than so many times another takes about as many steps: fewer by 1 in 4 at order 5. */
+static const double coarser = 4;
+
 enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
 
 static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6;
@@ -42,7 +46,9 @@ static bool suits(const hk_plugin *plugin, const void *context) {
 }
 
 static double factors(const hk_run *whole) {
+  const hk_counts *c = &whole->dynamics.count;
   double n = (double)whole->state.model.n;
+  if (c->special_factorizations == c->factorizations) return factor_cost;
   return factor_cost + fmin(factor_per_particle * n, factor_per_root * sqrt(n));
 }
 
@@ -52,7 +58,8 @@ static double cost(const hk_run *whole) {
 }
 
 static double step_cost(const hk_run *whole, const hk_integrator *method) {
-  if (!(method->flags & HK_IMPLICIT)) return method->stages;
+  double constrained = whole->plugins.kind[HK_CONSTRAINT].count ? factors(whole) : 0;
+  if (!(method->flags & HK_IMPLICIT)) return method->stages * (1 + constrained);
   return method->stages * implicit_stage + jacobian_cost + factors(whole);
 }
 
@@ -60,8 +67,9 @@ static double step_cost(const hk_run *whole, const hk_integrator *method) {
 static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
   const struct budget *b = &budgets[effort];
   double share = method->flags & HK_IMPLICIT && effort != HK_EFFORT_LARGE ? 0 : b->share;
-  double evaluations = share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
-  return evaluations / step_cost(whole, method);
+  double free_cost = method->flags & HK_IMPLICIT ? step_cost(whole, method) : method->stages;
+  return share * cost(whole) / step_cost(whole, method) +
+         b->free / (1 + (double)whole->state.model.n / b->particles) / free_cost;
 }
 
 /* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
@@ -115,7 +123,7 @@ bool hk_reference_take(const hk_scene_loader *loader, const hk_run_options *firs
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
   if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
-    if (k > 0 && !(tolerance(want, &strictnesses[k]) > tolerance(want, &strictnesses[k - 1]))) break; /* the same run */
+    if (k > 0 && !(tolerance(want, &strictnesses[k]) > coarser * tolerance(want, &strictnesses[k - 1]))) break;
     if (attempt(loader, first, whole, want, &strictnesses[k], false, found)) return true;
     if (!is_explicit(whole) && attempt(loader, first, whole, want, &strictnesses[k], true, found)) return true;
   }
