@@ -44,6 +44,19 @@ local function value_of(p, text)
   return tonumber(text)
 end
 
+-- nil, or what is wrong with the numbers given.
+local function beyond(p, value)
+  for _, number in ipairs(type(value) == "table" and value or { value }) do
+    if type(number) == "number" and p.min then
+      local below = p.above_min and number <= p.min or number < p.min
+      if below or number > p.max or number ~= number then
+        return ("%s: %s%s is not %s %g%s"):format(p.name, tostring(number), p.unit ~= "" and " " .. p.unit or "",
+          p.above_min and "above" or "at least", p.min, p.max < math.huge and (" and at most %g"):format(p.max) or "")
+      end
+    end
+  end
+end
+
 local function read_given(plugin, texts)
   local known, given = {}, {}
   for _, p in ipairs(plugin.params) do known[#known + 1], known[p.name] = p.name, p end
@@ -56,6 +69,8 @@ local function read_given(plugin, texts)
     local why
     given[name], why = value_of(known[name], text)
     if given[name] == nil then return nil, why end
+    why = beyond(known[name], given[name])
+    if why then return nil, why end
   end
   return given
 end

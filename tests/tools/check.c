@@ -65,6 +65,8 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 4.0"},
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},
+      {"check %s/plugins/forces/springs.so k=-1", "k: -1 N/m is not at least 0"},
+      {"check %s/plugins/forces/springs.so k=nan", "is not a number"},
       {"check %s/plugins/forces/springs.so --only cheese", "no property has 'cheese' in its name"},
       {"check %s/plugins/forces/springs.so --seconds none", "'none' is not a positive number"},
   };

@@ -79,7 +79,8 @@ function report:try(name, body, seconds)
     if found.value ~= nil then values[#values + 1] = found.value return end
     added = added + 1
     if not found.failed then return self:print(found) end
-    self:print { property = name .. ": could not be tried", where = found.failed,
+    -- Where the traceback of a refusal is in, it is that of the check itself.
+    self:print { property = name .. ": could not be tried", where = found.failed:gsub("\n+stack traceback.*", ""),
       remedy = "if the plugin refused its parameters, give others by name=value or a scene by --scene FILE" }
   end)
   if ended then
