@@ -2,8 +2,8 @@
  * of two evaluations, a function that they follow goes up or down; one that goes up and down again has a total
  * variation above its net change. This excess is compared with the net changes in the windows beside it: at a maximum
  * of a motion that is followed it is the smaller one by far (a quarter, at ten evaluations a period), in a pulse or a
- * vibration the larger one. A jump has no excess. The windows do not begin at the evaluations themselves, so that a
- * vibration in phase with them is found. They are laid twice, shifted by half, so that no pulse falls between two. */
+ * vibration the larger one. A jump has no excess. A window is laid at every sample, so that whatever is shorter than it
+ * is within one, wherever it begins, and a vibration in phase with the evaluations is found. */
 #include "core/numerics/functions/functions.h"
 
 #include <string.h>
@@ -14,9 +14,8 @@ static const double follows = 0.75, /* excess by net changes: 2.4 evaluations of
     edge = 0.05, quarter = 0.25;    /* of the range in the window */
 
 typedef struct window {
-  size_t first, last; /* samples */
-  double excess, net; /* net: for the whole length of the window */
-  bool dense;
+  size_t before, first, last, next; /* samples: it goes from first to last, those beside it from before and to next */
+  double excess, net;               /* net: of the windows beside it */
 } window;
 
 typedef struct scan {
@@ -29,17 +28,45 @@ typedef struct scan {
 
 static double value(const scan *s, size_t k) { return s->list->item[k].value[s->column]; }
 
-static window window_at(const scan *s, size_t first, double length) {
-  const hk_sample *item = s->list->item;
-  window w = {.first = first, .last = first};
-  double sum = 0;
-  for (; w.last + 1 < s->list->count && item[w.last + 1].t <= item[first].t + length; w.last++)
-    sum += fabs(value(s, w.last + 1) - value(s, w.last));
-  double net = fabs(value(s, w.last) - value(s, first)), covered = item[w.last].t - item[first].t;
-  w.excess = sum - net;
-  w.net = covered > 0 ? net * length / covered : 0;
-  w.dense = w.last - first >= FEWEST;
-  return w;
+/* 0 where one is not finite. */
+static double change(const scan *s, size_t from, size_t to) {
+  double found = fabs(value(s, to) - value(s, from));
+  return found < INFINITY ? found : 0;
+}
+
+/* The net change from one sample to another for a whole window, which may reach beyond the samples. */
+static double net_change(const scan *s, size_t from, size_t to, double length) {
+  double covered = s->list->item[to].t - s->list->item[from].t;
+  return covered > 0 ? change(s, from, to) * length / covered : 0;
+}
+
+/* The last sample that is at most `length` after `first`, from `now` on, whichever way that is. */
+static size_t reach(const hk_samples *list, size_t first, double length, size_t now) {
+  double end = list->item[first].t + length;
+  while (now + 1 < list->count && list->item[now + 1].t <= end) now++;
+  while (now > first && list->item[now].t > end) now--;
+  return now;
+}
+
+/* Lays the window at a sample; *sum: the total variation in it. */
+static void lay(const scan *s, window *w, size_t first, double *sum) {
+  const hk_samples *list = s->list;
+  double length = s->distance(s->context, list->item[first].t);
+  size_t last = reach(list, first, length, w->last > first ? w->last : first);
+  for (size_t k = w->last; k < last; k++) *sum += change(s, k, k + 1);
+  for (size_t k = last; k < w->last; k++) *sum -= change(s, k, k + 1);
+  for (size_t k = w->first; k < first; k++) *sum -= change(s, k, k + 1);
+  w->first = first;
+  w->last = last;
+  w->next = reach(list, last, length, w->next > last ? w->next : last);
+  while (list->item[w->before].t < list->item[first].t - length) w->before++;
+  w->excess = *sum - change(s, first, last);
+  w->net = net_change(s, w->before, first, length) + net_change(s, last, w->next, length);
+}
+
+static bool varies_in(const scan *s, const window *w) {
+  return w->last - w->first >= FEWEST && w->excess > follows * w->net &&
+         w->excess > visible * s->list->range[s->column];
 }
 
 /* The shortest time between two passages from the lowest quarter to the highest or back. */
@@ -59,6 +86,7 @@ static double shortest_in(const scan *s, const window *w, double low, double hig
 }
 
 static void add_piece(hk_rapid *found, double begin, double end) {
+  found->varies = true;
   for (size_t k = 0; k < found->pieces; k++) {
     double *piece = found->piece[k];
     if (begin > piece[1] || end < piece[0]) continue;
@@ -74,9 +102,9 @@ static void add_piece(hk_rapid *found, double begin, double end) {
     found->more = true;
 }
 
-/* Begin and end are the samples before the first and after the last that differ from what the window begins and ends
+/* Extends the piece to the samples before the first and after the last that differ from what the window begins and ends
  * with. */
-static void take(const scan *s, const window *w) {
+static void take(const scan *s, const window *w, double piece[2]) {
   const hk_sample *item = s->list->item;
   double low = INFINITY, high = -INFINITY;
   for (size_t k = w->first; k <= w->last; k++) {
@@ -87,24 +115,29 @@ static void take(const scan *s, const window *w) {
   while (begin + 1 < end && fabs(value(s, begin + 1) - value(s, w->first)) <= edge * (high - low)) begin++;
   while (end > begin + 1 && fabs(value(s, end - 1) - value(s, w->last)) <= edge * (high - low)) end--;
   double least = shortest_in(s, w, low, high);
-  s->found->varies = true;
   s->found->shortest = fmin(s->found->shortest, fmin(least, item[end].t - item[begin].t));
-  add_piece(s->found, item[begin].t, item[end].t);
+  piece[0] = fmin(piece[0], item[begin].t);
+  piece[1] = fmax(piece[1], item[end].t);
 }
 
-static void scan_from(const scan *s, size_t first) {
-  const hk_samples *list = s->list;
-  window before = {.net = 0}, now = {.net = 0};
-  while (first + 1 < list->count) {
-    double length = s->distance(s->context, list->item[first].t);
-    window next = window_at(s, first, length);
-    double beside = before.net + next.net;
-    if (now.dense && now.excess > follows * beside && now.excess > visible * list->range[s->column]) take(s, &now);
-    before = now;
-    now = next;
-    first = next.last > first ? next.last : first + 1;
+/* Of windows that follow each other and in which it varies, those with the largest excess are looked at, one in each
+ * length of a window: a pulse is within it as a whole. */
+static void slide(const scan *s) {
+  window w = {.first = 0}, best = {.excess = 0};
+  double sum = 0, piece[2] = {INFINITY, -INFINITY};
+  for (size_t first = 0; first < s->list->count; first++) {
+    lay(s, &w, first, &sum);
+    bool varies = varies_in(s, &w);
+    if (best.excess > 0 && (!varies || first > best.last)) {
+      take(s, &best, piece);
+      best.excess = 0;
+    }
+    if (!varies && piece[1] > piece[0]) {
+      add_piece(s->found, piece[0], piece[1]);
+      piece[0] = INFINITY, piece[1] = -INFINITY;
+    }
+    if (varies && w.excess > best.excess) best = w;
   }
-  if (now.dense && now.excess > follows * before.net && now.excess > visible * list->range[s->column]) take(s, &now);
 }
 
 void hk_rapid_find(hk_rapid *found, const hk_samples *list, hk_gap *distance, const void *context) {
@@ -112,10 +145,6 @@ void hk_rapid_find(hk_rapid *found, const hk_samples *list, hk_gap *distance, co
   for (int c = 0; c < HK_COLUMNS; c++) {
     scan s = {list, c, distance, context, found};
     if (!(list->range[c] > 0)) continue;
-    scan_from(&s, 0);
-    size_t half = 0;
-    double begin = list->item[0].t, length = distance(context, begin);
-    while (half + 1 < list->count && list->item[half].t < begin + length / 2) half++;
-    scan_from(&s, half);
+    slide(&s);
   }
 }
