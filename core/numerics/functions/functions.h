@@ -102,10 +102,14 @@ typedef struct hk_samples {
   hk_sample *item;          /* in the order of time */
   double range[HK_COLUMNS]; /* largest less smallest value; 0: constant */
   double spacing;           /* s: what lasts longer than this was hit */
+  double narrowest;         /* s: to this a jump is cornered */
 } hk_samples;
 
 /* From begin to end (s), one in each of `parts` equal parts; `most` calls with those where the function varies. */
 void hk_samples_take(hk_samples *, const hk_function *, double begin, double end, size_t parts, size_t most);
+/* Where the function jumps: the times of the samples before and after, s, in *jump, at most `room`; how many there are.
+ */
+size_t hk_samples_jumps(const hk_samples *, double (*jump)[2], size_t room);
 void hk_samples_free(hk_samples *);
 
 /* ---- rapid.c: where a function varies between the times at which it was evaluated ---- */

@@ -20,7 +20,6 @@ typedef struct sampler {
   hk_samples *samples;
   const hk_function *function;
   uint64_t random[4];
-  double narrowest; /* s */
   size_t most;
 } sampler;
 
@@ -73,7 +72,7 @@ static bool is_rough(const hk_samples *list, size_t k, size_t count) {
 static void bisect(sampler *s, hk_sample a, hk_sample b, double enough) {
   hk_sample middle;
   double width = b.t - a.t;
-  if (!(width > s->narrowest) || change(s->samples, &a, &b) <= enough) return;
+  if (!(width > s->samples->narrowest) || change(s->samples, &a, &b) <= enough) return;
   if (!add(s, a.t + width * (0.4 + 0.2 * hk_random_uniform(s->random)), &middle)) return;
   bisect(s, a, middle, enough);
   bisect(s, middle, b, enough);
@@ -102,7 +101,7 @@ void hk_samples_take(hk_samples *list, const hk_function *f, double begin, doubl
   sampler s = {.samples = list, .function = f, .most = most};
   hk_sample made;
   *list = (hk_samples){.count = 0};
-  s.narrowest = fmax(cornered * (end - begin), 8 * DBL_EPSILON * fmax(fabs(begin), fabs(end)));
+  list->narrowest = fmax(cornered * (end - begin), 8 * DBL_EPSILON * fmax(fabs(begin), fabs(end)));
   hk_random_seed(s.random, 1);
   add(&s, begin, &made);
   for (size_t k = 0; k < parts; k++)
@@ -113,6 +112,17 @@ void hk_samples_take(hk_samples *list, const hk_function *f, double begin, doubl
   bisect_rough(&s);
   qsort(list->item, list->count, sizeof *list->item, by_time);
   find_range(list);
+}
+
+size_t hk_samples_jumps(const hk_samples *list, double (*jump)[2], size_t room) {
+  size_t count = 0;
+  for (size_t k = 0; k + 1 < list->count; k++) {
+    const hk_sample *before = &list->item[k], *after = before + 1;
+    if (after->t - before->t > list->narrowest || change(list, before, after) <= visible) continue;
+    if (count < room) jump[count][0] = before->t, jump[count][1] = after->t;
+    count++;
+  }
+  return count;
 }
 
 void hk_samples_free(hk_samples *list) { free(list->item); }

@@ -94,7 +94,7 @@ void hk_check_given_speeds(hk_loop *, double end);
 
 /* ---- under_sampled.c ---- */
 
-enum { HK_SAMPLING_PIECES = 500 };
+enum { HK_SAMPLING_PIECES = 500, HK_SAMPLING_JUMPS = 100 };
 
 /* What random samples of the functions of time, of forces, constraints, correctors and pins, say of the run so far. */
 typedef struct hk_sampling {
@@ -112,6 +112,8 @@ typedef struct hk_sampling {
   size_t pieces;
   double piece[HK_SAMPLING_PIECES][2]; /* s, begin and end of the times of such variation */
   bool more;                           /* there are more of them */
+  size_t jumps;                        /* of functions; some are listed: times before and after, s */
+  double jump[HK_SAMPLING_JUMPS][2];
 } hk_sampling;
 
 /* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. Functions of the state
@@ -119,7 +121,8 @@ typedef struct hk_sampling {
 hk_sampling hk_under_sampled(hk_loop *, const hk_trajectory *, size_t most_calls);
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
-/* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin
+/* The begins and ends of such variation, and of jumps unless there are more than are listed, in the order of time,
+ * without repetition, at most `room`; their number. A begin
  * is just before the first change and an end just after the last one, so that a method that ends a step at each has
  * steps of its own for every pulse. Where a pulse rises by a jump it still needs several: the first and the last have a
  * jump. */

@@ -174,6 +174,8 @@ static void look_at(search *s, const subject *one) {
   if (samples.count > 1) hk_rapid_find(&found, &samples, distance, s);
   s->now = NULL;
   keep(result, one, &found);
+  size_t listed = result->jumps < HK_SAMPLING_JUMPS ? result->jumps : HK_SAMPLING_JUMPS;
+  result->jumps += hk_samples_jumps(&samples, result->jump + listed, HK_SAMPLING_JUMPS - listed);
   if (one->fastest > 0) {
     result->declared = fmin(result->declared, one->fastest);
     result->too_dear |= !affordable;
@@ -216,10 +218,12 @@ static int by_time(const void *a, const void *b) {
 }
 
 size_t hk_sampling_cuts(const hk_sampling *s, double *times, size_t room) {
-  double all[2 * HK_SAMPLING_PIECES];
-  size_t total = 0, kept = 0;
+  double all[2 * (HK_SAMPLING_PIECES + HK_SAMPLING_JUMPS)];
+  size_t total = 0, kept = 0, jumps = s->jumps <= HK_SAMPLING_JUMPS ? s->jumps : 0;
   for (size_t k = 0; k < s->pieces; k++)
     for (int side = 0; side < 2; side++) all[total++] = s->piece[k][side];
+  for (size_t k = 0; k < jumps; k++)
+    for (int side = 0; side < 2; side++) all[total++] = s->jump[k][side];
   qsort(all, total, sizeof *all, by_time);
   for (size_t k = 0; k < total && kept < room; k++)
     if (kept == 0 || all[k] > times[kept - 1]) times[kept++] = all[k];

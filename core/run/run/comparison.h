@@ -4,7 +4,7 @@
 
 #include "core/run/run/run.h"
 
-enum { HK_MOST_CUTS = 2 * HK_SAMPLING_PIECES };
+enum { HK_MOST_CUTS = 2 * (HK_SAMPLING_PIECES + HK_SAMPLING_JUMPS) };
 
 /* What is asked of a run, and what comparisons have found. Errors are relative to what is asked: the largest of that of
  * the positions and those of the channels. */

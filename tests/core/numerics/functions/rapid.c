@@ -86,12 +86,33 @@ static void a_jump_is_none(void **state) {
   assert_false(found_of(step, (double[]){0.437}).varies);
 }
 
+static hk_status step_twice(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                            size_t max_out, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)max_out, (void)error;
+  out[0] = sin(in[0]) + (in[0] > 0.3) - 0.01 * (in[0] > 0.7123);
+  *n_out = 1;
+  return HK_OK;
+}
+
+static void jumps_are_cornered(void **state) {
+  (void)state;
+  hk_function f = {.call = step_twice};
+  hk_samples list;
+  double jump[4][2];
+  hk_samples_take(&list, &f, 0, 1, 1000, 2000);
+  assert_int_equal(hk_samples_jumps(&list, jump, 4), 2);
+  static const double at[] = {0.3, 0.7123};
+  for (int k = 0; k < 2; k++) assert_true(jump[k][0] <= at[k] && jump[k][1] > at[k] && jump[k][1] - jump[k][0] < 2e-12);
+  hk_samples_free(&list);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_pulse_shorter_than_the_gap_is_found_wherever_it_begins),
       cmocka_unit_test(what_is_followed_is_not_rapid),
       cmocka_unit_test(a_vibration_is_found_in_all_its_length),
       cmocka_unit_test(a_jump_is_none),
+      cmocka_unit_test(jumps_are_cornered),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
