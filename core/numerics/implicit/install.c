@@ -17,6 +17,7 @@ void hk_implicit_install(hk_dynamics *d) {
                                 .factorize = hk_implicit_factorize,
                                 .solve = hk_implicit_solve,
                                 .solve_along = hk_implicit_solve_along,
+                                .potential = hk_forces_potential,
                                 .solve_columns = hk_implicit_solve_columns};
   d->system.linear = &d->linear;
 }

@@ -33,6 +33,9 @@ typedef struct hk_linear_table {
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
   const double *linearised, *reached;
+  /* The potential energy in J at time t of the included forces that have an energy, also of those with timed
+   * parameters. */
+  hk_status (*potential)(hk_system *, double t, const double *X, double *joule);
 } hk_linear_table;
 
 #endif

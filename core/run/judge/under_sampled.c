@@ -21,6 +21,7 @@ typedef struct subject {
   const char *where, *label, *name;
   double begin, end, fastest;
   bool stepwise; /* evaluated once a step */
+  bool path;     /* of a pin: between the sides of a jump it has no speed that a step could follow */
 } subject;
 
 typedef struct search {
@@ -111,6 +112,7 @@ static void visit_plugins(search *s, hk_kind kind, visit *each) {
 static void visit_pin(search *s, const hk_pin_spec *spec, const hk_function *function, const char *name, visit *each) {
   subject one = {function, spec->where, "pin", name, .end = fmin(s->until, spec->release)};
   one.fastest = function->fastest > 0 ? function->fastest : spec->fastest;
+  one.path = true;
   if (function->call && one.end > 0) each(s, &one);
 }
 
@@ -160,6 +162,11 @@ static void keep(hk_sampling *result, const subject *one, const hk_rapid *found)
   result->more |= found->more || result->pieces == HK_SAMPLING_PIECES;
 }
 
+static void note_jumps(hk_sampling *result, const hk_samples *samples) {
+  size_t listed = result->jumps < HK_SAMPLING_JUMPS ? result->jumps : HK_SAMPLING_JUMPS;
+  result->jumps += hk_samples_jumps(samples, result->jump + listed, HK_SAMPLING_JUMPS - listed);
+}
+
 /* Samples of a declared time that would be too many are as many as may be, and what is assumed is what they see. */
 static void look_at(search *s, const subject *one) {
   hk_sampling *result = s->result;
@@ -174,8 +181,7 @@ static void look_at(search *s, const subject *one) {
   if (samples.count > 1) hk_rapid_find(&found, &samples, distance, s);
   s->now = NULL;
   keep(result, one, &found);
-  size_t listed = result->jumps < HK_SAMPLING_JUMPS ? result->jumps : HK_SAMPLING_JUMPS;
-  result->jumps += hk_samples_jumps(&samples, result->jump + listed, HK_SAMPLING_JUMPS - listed);
+  if (!one->path) note_jumps(result, &samples);
   if (one->fastest > 0) {
     result->declared = fmin(result->declared, one->fastest);
     result->too_dear |= !affordable;

@@ -132,6 +132,16 @@ hk_status hk_dirk_step(void *self, const void *T, hk_system *s, double t_stop, d
   return HK_OK;
 }
 
+/* x = (M + g D + g^2 K)^-1 M b with the present factors; b is overwritten. */
+static hk_status smooth_out(hk_system *s, double *b, double *x) {
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) b[e] *= s->model->mass[i];
+  s->filter(s, b);
+  hk_status status = s->linear->solve(s, b, x, NULL);
+  if (status == HK_OK) s->filter(s, x);
+  return status;
+}
+
 /* The error estimate h sum e_i k_i, multiplied by (M + g D + g^2 K)^-1 M, and for the
  * channels by (I - g dy'/dy)^-1, so that its stiff components are damped as by
  * the method itself (Hosea and Shampine 1996, section 3). */
@@ -144,8 +154,8 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
     const double *restrict k = slope_of(m, s, j), *restrict first = slope_of(m, s, 0);
     for (size_t e = 0; e < s->size; e++) E[e] += h * T->error[j] * (k[e] - first[e]);
   }
-  hk_status status = hk_newton_smooth(s, E, smooth);
-  if (status == HK_OK) status = hk_newton_smooth(s, E + v, smooth + v);
+  hk_status status = smooth_out(s, E, smooth);
+  if (status == HK_OK) status = smooth_out(s, E + v, smooth + v);
   if (status != HK_OK) return status;
   hk_channels_solve(&m->newton.channels, E + 2 * v, smooth + 2 * v);
   smooth[s->size - 1] = 0;

@@ -9,7 +9,7 @@
 #include <float.h>
 #include <string.h>
 
-enum { BACKTRACKS = 10, DEFINITE_FOR = 8, LONGEST = 5, LANES = 8 };
+enum { BACKTRACKS = 10, DOUBTFUL = 8, DEFINITE_FOR = 8, LONGEST = 5 };
 
 /* Iterations for the channels at one v: where particles exchange a quantity, the blocks leave a linear rate of up to
  * 0.87 (h k = 3/2 in a chain), which reaches a millionth. */
@@ -27,19 +27,9 @@ typedef struct work {
   bool by_size;   /* the line search requires |R| to decrease; otherwise it judges p.R */
   bool fresh;     /* the factors are those of the present iterate */
   bool settled;   /* the channels solve their equation at the present v */
+  bool doubtful;  /* steps were shortened: the solution may be another one than that beside the start */
   hk_matrix A;
 } work;
-
-/* A scalar product, summed in LANES partial sums for speed; their order is fixed. */
-static double dot(const double *a, const double *b, size_t count) {
-  double sum[LANES] = {0}, total = 0;
-  size_t e = 0;
-  for (; e + LANES <= count; e += LANES)
-    for (size_t l = 0; l < LANES; l++) sum[l] += a[e + l] * b[e + l];
-  for (; e < count; e++) sum[0] += a[e] * b[e];
-  for (size_t l = 0; l < LANES; l++) total += sum[l];
-  return total;
-}
 
 double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
   double now = hk_rms(v, 3 * s->n);
@@ -121,6 +111,11 @@ static void negate(double *to, const double *from, size_t count) {
   for (size_t e = 0; e < count; e++) to[e] = -from[e];
 }
 
+static hk_status chord_direction(work *k) {
+  negate(k->p, k->R, k->m);
+  return solve(k, k->p, k->dv);
+}
+
 static hk_status factorize_and_solve(work *k) {
   hk_status status = k->s->linear->factorize(k->s, &k->A);
   k->w->factor_g = 0;
@@ -129,8 +124,7 @@ static hk_status factorize_and_solve(work *k) {
   k->w->rate = 0;
   k->fresh = true;
   if (k->w->definite > 0) k->w->definite--;
-  negate(k->p, k->R, k->m);
-  return solve(k, k->p, k->dv);
+  return chord_direction(k);
 }
 
 /* Conjugate gradients on A dv = -R with the present factors as preconditioner. False: convergence is too slow, or A is
@@ -144,14 +138,14 @@ static bool krylov(work *k) {
   for (int i = 0; i <= k->w->krylov_most; i++) {
     if (k->s->linear->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
-    double next = dot(r, z, m);
+    double next = hk_dot(r, z, m);
     if (!(next >= 0)) return false;
     if (i == 0) first = next;
     if (next <= forcing * forcing * first) return true;
     for (size_t e = 0; e < m; e++) p[e] = i == 0 ? z[e] : z[e] + next / rz * p[e];
     rz = next;
     hk_block_product(k->s->host, &k->A, p, q);
-    double curvature = dot(p, q, m);
+    double curvature = hk_dot(p, q, m);
     if (!(curvature > 0)) return false;
     double alpha = rz / curvature;
     for (size_t e = 0; e < m; e++) {
@@ -192,11 +186,6 @@ static hk_status newton_direction(work *k) {
   return status == HK_OK ? factorize_and_solve(k) : status;
 }
 
-static hk_status chord_direction(work *k) {
-  negate(k->p, k->R, k->m);
-  return solve(k, k->p, k->dv);
-}
-
 static void advance(const work *k, double alpha) {
   double *v = k->stage->X + k->m;
   for (size_t e = 0; e < k->m; e++) v[e] = k->v_old[e] + alpha * k->dv[e];
@@ -204,8 +193,8 @@ static void advance(const work *k, double alpha) {
 
 /* Whether a step is too long: p.R is positive and above 0.9 of its initial size, or |R| has not decreased. */
 static bool overshoots(const work *k, double slope, double size) {
-  if (k->by_size) return !(dot(k->R, k->R, k->m) <= size);
-  return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
+  if (k->by_size) return !(hk_dot(k->R, k->R, k->m) <= size);
+  return !(hk_dot(k->dv, k->R, k->m) <= -0.9 * slope);
 }
 
 /* The safe fraction of dv; 1 in scenes without contact. */
@@ -234,7 +223,7 @@ static hk_status judge_step(work *k, const hk_descent *d, double alpha, double s
 /* Searches along dv from v_old for a step that is not too long; R is then that of the new v. HK_NOT_CONVERGED: there is
  * none. */
 static hk_status search(work *k, double *taken) {
-  double slope = dot(k->dv, k->R, k->m), size = dot(k->R, k->R, k->m), alpha = 1;
+  double slope = hk_dot(k->dv, k->R, k->m), size = hk_dot(k->R, k->R, k->m), alpha = 1;
   bool descends = slope < 0 || k->by_size, good = false;
   hk_descent descent;
   hk_status status = safe_part(k, &alpha);
@@ -279,7 +268,7 @@ static pace start_pace(const work *k) {
 static double energy_norm(const work *k) {
   double mass = 0;
   for (size_t i = 0; i < k->s->n; i++) mass += k->s->model->inverse_mass[i] > 0 ? k->s->model->mass[i] : 0;
-  return mass > 0 ? sqrt(fabs(dot(k->dv, k->R, k->m)) / (3 * mass)) : 0;
+  return mass > 0 ? sqrt(fabs(hk_dot(k->dv, k->R, k->m)) / (3 * mass)) : 0;
 }
 
 static hk_status next_direction(work *k, pace *p, double *size) {
@@ -299,6 +288,7 @@ static hk_status fall_back(work *k, pace *p, double size, double limit) {
   if (k->fresh) k->w->definite = DEFINITE_FOR;
   k->w->factor_g = 0;
   k->fresh = false;
+  k->doubtful = true;
   *p = (pace){0, 1, false};
   memcpy(k->stage->X + k->m, k->v_old, k->m * sizeof *k->v_old);
   return residual(k);
@@ -348,6 +338,7 @@ static hk_status iterate(work *k) {
     }
     if (status == HK_OK) status = set_channels(k, true);
     if (status != HK_OK) return status;
+    k->doubtful |= alpha < 1 || i >= DOUBTFUL;
     bool full = alpha == 1, was = p.chord, slows = p.last > 0 && size > slow * p.last;
     if (was && (slows || !full)) judge(&k->w->chord, false);
     if (was && p.last > 0 && !slows && full) judge(&k->w->chord, true);
@@ -357,6 +348,25 @@ static hk_status iterate(work *k) {
     k->fresh = false;
   }
   return gave_up(k, size, limit);
+}
+
+/* A solution behind a barrier, above the state in which nothing moves, is given up for the one beside that: implicit
+ * steps that are long beside buckling have several, and can go to and fro between them for ever. */
+static hk_status require_minimum(work *k) {
+  const double *power = k->a + k->m + (k->s->size - 2 * k->m - 1);
+  bool above = false;
+  for (int tries = 0;; tries++) {
+    hk_status status = hk_stage_above_rest(k->s, k->stage, *power, k->q, &above);
+    if (status != HK_OK || !above) return status;
+    if (tries)
+      return k->s->host->fail(k->s->host, HK_NOT_CONVERGED, "the step is too long: Newton's iteration ends above rest");
+    memcpy(k->stage->X + k->m, k->q, k->m * sizeof *k->q);
+    k->w->factor_g = 0;
+    status = residual(k);
+    if (status == HK_OK) status = set_channels(k, true);
+    if (status == HK_OK) status = iterate(k);
+    if (status != HK_OK) return status;
+  }
 }
 
 static hk_status start_safely(work *k) {
@@ -375,15 +385,7 @@ hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   if (status == HK_OK) status = set_channels(&k, true);
   k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || hk_system_equations(s) > 0;
   if (status == HK_OK) status = iterate(&k);
+  if (status == HK_OK && k.doubtful && !k.by_size) status = require_minimum(&k);
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
-  return status;
-}
-
-hk_status hk_newton_smooth(hk_system *s, double *b, double *x) {
-  for (size_t i = 0; i < s->n; i++)
-    for (size_t e = 3 * i; e < 3 * i + 3; e++) b[e] *= s->model->mass[i];
-  s->filter(s, b);
-  hk_status status = s->linear->solve(s, b, x, NULL);
-  if (status == HK_OK) s->filter(s, x);
   return status;
 }

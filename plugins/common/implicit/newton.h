@@ -85,8 +85,5 @@ hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
  */
 double hk_newton_limit(hk_newton *, const hk_system *, const double *v);
 void hk_newton_forget(hk_newton *); /* invalidates the factors, after a change of particles or forces */
-/* For error estimates, after `solve`: x = (M + g D + g^2 K)^-1 M b with the present factors; b is overwritten. That of
- * the channels is hk_channels_solve. */
-hk_status hk_newton_smooth(hk_system *, double *b, double *x);
 
 #endif

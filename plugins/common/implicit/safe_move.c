@@ -2,6 +2,7 @@
 #include "plugins/common/implicit/safe_move.h"
 
 #include <float.h>
+#include <string.h>
 
 static const double sufficient = 1e-4, rounding = 64 * DBL_EPSILON;
 
@@ -55,7 +56,9 @@ bool hk_stage_minimises(const hk_system *s) {
 hk_status hk_stage_potential(hk_system *s, const hk_stage *stage, double *value) {
   const double *v = stage->X + 3 * s->n, *base = stage->base + 3 * s->n;
   double inertia = 0, energy = 0;
-  hk_status status = s->contact->potential(s, stage->t, stage->X, &energy);
+  hk_status (*potential)(hk_system *, double, const double *, double *) =
+      s->contact ? s->contact->potential : s->linear->potential;
+  hk_status status = potential(s, stage->t, stage->X, &energy);
   *value = INFINITY;
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   for (size_t i = 0; i < s->n; i++)
@@ -67,4 +70,30 @@ hk_status hk_stage_potential(hk_system *s, const hk_stage *stage, double *value)
 bool hk_descent_falls(const hk_descent *d, double value, double alpha, bool level) {
   if (value <= d->start + sufficient * alpha * d->slope) return true;
   return level && isfinite(value) && value - d->start <= rounding * (fabs(value) + fabs(d->start));
+}
+
+/* Exchanges the velocities of the stage for others, and moves its positions with them. */
+static void exchange(const hk_system *s, const hk_stage *stage, double *other) {
+  double *x = stage->X, *v = x + 3 * s->n;
+  for (size_t e = 0; e < 3 * s->n; e++) {
+    double kept = v[e];
+    v[e] = other[e];
+    other[e] = kept;
+    x[e] = stage->base[e] + stage->g * v[e];
+  }
+}
+
+hk_status hk_stage_above_rest(hk_system *s, const hk_stage *stage, double power, double *rest, bool *above) {
+  double here = 0, there = 0;
+  const double *v = stage->X + 3 * s->n;
+  memcpy(rest, v, 3 * s->n * sizeof *rest);
+  s->filter(s, rest); /* what is free */
+  for (size_t e = 0; e < 3 * s->n; e++) rest[e] = v[e] - rest[e];
+  hk_status status = hk_stage_potential(s, stage, &here);
+  if (status != HK_OK) return status;
+  exchange(s, stage, rest);
+  status = hk_stage_potential(s, stage, &there);
+  exchange(s, stage, rest);
+  *above = here > there + fmax(0, stage->g * power) + rounding * (fabs(here) + fabs(there));
+  return status;
 }

@@ -24,6 +24,11 @@ bool hk_stage_minimises(const hk_system *); /* whether there is contact and all 
 /* The incremental potential in J at stage->X, whose positions must be those of the last evaluation; infinite where it
  * is not finite. */
 hk_status hk_stage_potential(hk_system *, const hk_stage *, double *value);
+/* *above: the incremental potential at stage->X is above that of particles which stay where the stage begins (pinned
+ * ones move as they must), so that the solution is a stationary point behind a barrier. `power`, W, is that of the
+ * forces without an energy, whose work may lift it. `rest`: 3n numbers, on return the velocities of that other state.
+ */
+hk_status hk_stage_above_rest(hk_system *, const hk_stage *, double power, double *rest, bool *above);
 
 /* The incremental potential at the start of a line search, and its derivative `slope` along the direction. */
 typedef struct hk_descent {

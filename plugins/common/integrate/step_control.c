@@ -8,15 +8,17 @@ enum { LANES = 8 };
 static const double at_rest = 1e-6;  /* a speed that counts as rest: this part of the extent per step */
 static const double smallest = 1e-6; /* a number of a channel that counts as 0: this part of the channel's largest */
 
-double hk_rms(const double *p, size_t count) {
+double hk_dot(const double *a, const double *b, size_t count) {
   double sum[LANES] = {0}, total = 0;
   size_t e = 0;
   for (; e + LANES <= count; e += LANES)
-    for (size_t l = 0; l < LANES; l++) sum[l] += p[e + l] * p[e + l];
-  for (; e < count; e++) sum[0] += p[e] * p[e];
+    for (size_t l = 0; l < LANES; l++) sum[l] += a[e + l] * b[e + l];
+  for (; e < count; e++) sum[0] += a[e] * b[e];
   for (size_t l = 0; l < LANES; l++) total += sum[l];
-  return count ? sqrt(total / (double)count) : 0;
+  return total;
 }
+
+double hk_rms(const double *p, size_t count) { return count ? sqrt(hk_dot(p, p, count) / (double)count) : 0; }
 
 double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 

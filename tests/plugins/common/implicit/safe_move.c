@@ -120,6 +120,35 @@ static void potential_has_the_residual_for_its_gradient(void **state) {
   fake_system_destroy(f);
 }
 
+static void nothing_is_filtered(hk_system *s, double *vector) { (void)s, (void)vector; }
+
+/* Beside the wall of 1/x, at x = 1: -1 m/s in a stage of g = 1/2 s ends at x = 1/2, above rest by 1/2 + 2 - 1; forces
+ * that gave 4 W may have lifted it so far. With the velocity that it had it goes on, below. */
+static void solutions_above_rest_are_told_apart(void **state) {
+  (void)state;
+  fake_system *f = wall();
+  double base[SIZE] = {1, 0, 0, 0}, X[SIZE] = {0}, rest[3];
+  hk_stage stage = {.g = g, .base = base, .X = X};
+  bool above;
+  f->system.filter = nothing_is_filtered;
+  static const struct end {
+    double v, start_speed, power;
+    bool above;
+  } ends[] = {{-1, 0, 0, true}, {-1, 0, 4, false}, {0.2, 0.2, 0, false}, {1, 0, 0, true}};
+  for (size_t k = 0; k < sizeof ends / sizeof *ends; k++) {
+    base[3] = ends[k].start_speed;
+    X[3] = ends[k].v;
+    X[0] = base[0] + g * X[3];
+    double before[SIZE];
+    memcpy(before, X, sizeof X);
+    assert_int_equal(hk_stage_above_rest(&f->system, &stage, ends[k].power, rest, &above), HK_OK);
+    assert_int_equal(above, ends[k].above);
+    for (int e = 0; e < SIZE; e++) assert_true(fabs(X[e] - before[e]) < 1e-15);
+    assert_true(rest[0] == 0 && rest[1] == 0 && rest[2] == 0);
+  }
+  fake_system_destroy(f);
+}
+
 static void only_gradients_with_contact_are_minimised(void **state) {
   (void)state;
   fake_system *f = wall();
@@ -154,6 +183,7 @@ int main(void) {
       cmocka_unit_test(a_scripted_way_through_contact_is_told_apart),
       cmocka_unit_test(an_end_behind_contact_is_refused),
       cmocka_unit_test(potential_has_the_residual_for_its_gradient),
+      cmocka_unit_test(solutions_above_rest_are_told_apart),
       cmocka_unit_test(only_gradients_with_contact_are_minimised),
       cmocka_unit_test(a_search_ends_only_where_the_potential_falls),
   };
