@@ -80,7 +80,7 @@ static void set_flags(hk_dynamics *d) {
     d->has_timed |= forces->item[k]->spec->timed_count > 0;
     d->updates |= f->steps.update != NULL;
     d->limits |= f->surfaces.step_limit != NULL;
-    d->listens |= f->steps.accepted != NULL;
+    d->listens |= f->steps.accepted || f->internal.evolve;
     d->demands |= f->bounds.longest_step != NULL;
   }
   for (size_t k = 0; k < constraints->count; k++) d->has_timed |= constraints->item[k]->spec->timed_count > 0;
