@@ -38,6 +38,11 @@ static void faults_of_implicit_methods_are_named(void **state) {
   right_and_wrong("implicit", 5);
 }
 
+static void faults_of_internal_variables_are_named(void **state) {
+  (void)state;
+  right_and_wrong("internal", 9);
+}
+
 static void faults_of_neighbours_are_named(void **state) {
   (void)state;
   right_and_wrong("neighbours", 13);
