@@ -36,6 +36,7 @@ const hk_plugin *hk_contract_copy(const hk_plugin *plugin) {
   if (!c) return NULL;
   size_t size = plugin->force->size, known = length[plugin->kind]; /* `size` is the first member of every table */
   c->plugin = *plugin;
+  c->plugin.abi = HK_ABI; /* of the tables as they are here */
   memcpy(&c->table, plugin->force, size < known ? size : known);
   hk_contract_copy_facets(plugin, &c->table);
   c->plugin.force = &c->table.force.own;

@@ -63,7 +63,7 @@ static hk_status list_forces(hk_dynamics *d) {
                                        .flags = f->own.flags,
                                        .jacobian = f->implicit.jacobian != NULL,
                                        .elements = f->elements.list != NULL,
-                                       .gradient = f->own.energy && !(f->own.flags & HK_POWER)};
+                                       .gradient = f->own.energy && !(f->own.flags & (HK_POWER | HK_DEPENDS_ON_V))};
   }
   d->split = (hk_split_table){.forces = count, .force = d->force_info, .takes = d->takes};
   hk_dynamics_take_all(d);

@@ -243,6 +243,35 @@ static void a_spring_that_begins_later_keeps_the_balance(void **state) {
   test_engine_close(&e);
 }
 
+/* A chain of spheres that meet, in implicit steps of the size of tau. Within a step the force has no potential in which
+ * the velocities follow from the positions, so Newton's method must not ask that one falls: it would divide the steps
+ * some hundred times. */
+static void implicit_steps_in_contact_are_not_divided(void **state) {
+  (void)state;
+  static const uint32_t edge[][2] = {{1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 6}};
+  static const char *const methods[] = {"backward_euler", "implicit_midpoint", "bdf2"};
+  for (int k = 0; k < 3; k++) {
+    test_engine e;
+    test_engine_open(&e);
+    for (int i = 1; i <= 6; i++) test_particle(&e, 0.5 * i, 0.02 * i, 0, 1);
+    test_pin(&e, HK_PIN_FIXED, 1, NULL);
+    launch(&e, 6, -3);
+    hk_plugin_spec *spec = maxwell(&e, edge, 5, 0.02);
+    test_number(&e, spec, "k", 300);
+    test_number(&e, spec, "k_m", 5000);
+    test_number(&e, test_plugin(&e, HK_FORCE, "fixture:barrier_spheres"), "radius", 0.2);
+    test_plugin(&e, HK_INTEGRATOR, methods[k]);
+    e.scene->fps = 10;
+    e.options.dt = 0.02;
+    test_run(&e);
+    test_advance(&e, 1);
+    print_message("%-18s %zu steps, %zu evaluations\n", methods[k], e.run->record.steps,
+                  e.run->dynamics.count.evaluations);
+    assert_true(e.run->record.steps <= 60 && e.run->dynamics.count.evaluations < 500);
+    test_engine_close(&e);
+  }
+}
+
 static void open_pairs(test_engine *e, bool dies, const char *method) {
   test_engine_open(e);
   for (int i = 0; i < 6; i++) test_particle(e, i % 2, i / 2, 0, 1 + 0.1 * i);
@@ -298,6 +327,7 @@ int main(void) {
       cmocka_unit_test(methods_and_their_balance_keep_their_order_up_to_4),
       cmocka_unit_test(a_tau_far_below_the_step_asks_for_no_shorter_one),
       cmocka_unit_test(a_spring_that_begins_later_keeps_the_balance),
+      cmocka_unit_test(implicit_steps_in_contact_are_not_divided),
       cmocka_unit_test(deaths_checkpoints_and_threads_leave_no_trace),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
