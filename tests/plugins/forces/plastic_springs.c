@@ -197,7 +197,7 @@ static void expect_blocks(test_engine *e, const double *whole, size_t n) {
  * other spring, which is behind it in the list, are those that implicit methods get then. */
 static void a_break_is_in_the_balance(void **state) {
   (void)state;
-  static const char *const methods[] = {"leapfrog", "rk4", "implicit_midpoint", "bdf2", "dopri5"};
+  static const char *const methods[] = {"leapfrog", "rk4", "stoermer8", "implicit_midpoint", "bdf2", "dopri5"};
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
     test_engine e;
     hk_summary s;
