@@ -28,7 +28,7 @@
 #include "core/plugin/lists.h"
 
 #define HK_ABI_MAJOR 3 /* another major is refused */
-#define HK_ABI_MINOR 0 /* a plugin with a newer minor than the host's is refused */
+#define HK_ABI_MINOR 1 /* a plugin with a newer minor than the host's is refused */
 #define HK_ABI ((HK_ABI_MAJOR << 16) | HK_ABI_MINOR)
 
 #if defined(__GNUC__)
@@ -137,7 +137,8 @@ enum {                   /* hk_field.flags */
 
 /* The evolving data of an instance: the host allocates the arrays before `create`, resizes and remaps them when
  * particles are born or die, and writes them to checkpoints. A table ends with {0}.
- *     {"slopes", .state = HK_AT(bdf, slopes), .width = 2, .flags = HK_SCRATCH} */
+ *     {"slopes", .state = HK_AT(bdf, slopes), .width = 2, .flags = HK_SCRATCH}
+ *     {"flow", .per_tuple = HK_AT(plastic, flow), .list = "edges", .width = 2} */
 typedef struct hk_field {
   const char *name;
   /* What it keeps, one of these: */
@@ -148,6 +149,10 @@ typedef struct hk_field {
   hk_array *array;       /* items of `width` bytes, which should name particles by id, which never changes */
   size_t width;
   unsigned flags;
+  /* Minor 1: internal variables of elements (facets/internal.h), count x width of the tuples in the list that `list`
+   * names, or in the table's first; zeroed before `create`, and moved with their tuples when others lose a particle. */
+  double **per_tuple;
+  const char *list;
 } hk_field;
 
 /* ---- The view of the state --------------------------------------------------------------------------------------- */

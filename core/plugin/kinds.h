@@ -19,6 +19,7 @@
 #include "core/plugin/facets/elements.h"
 #include "core/plugin/facets/parts.h"
 #include "core/plugin/facets/steps.h"
+#include "core/plugin/facets/internal.h"
 #include "core/plugin/facets/surfaces.h"
 #include "core/plugin/facets/encounters.h"
 #include "core/plugin/facets/approximation.h"

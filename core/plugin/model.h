@@ -50,6 +50,7 @@ struct hk_model {
    * neighbours indices that are close to each other; what users see goes by the id. */
   const uint32_t *by_id;
   const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
+  double t; /* s, of the last accepted state: what a force remembers of a step's beginning is from then */
 };
 
 /* The index of the k-th particle in the order of ids, k < n. */

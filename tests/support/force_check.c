@@ -23,7 +23,7 @@ double force_evaluate(const hk_instance *force, const hk_view *view, double *F) 
   hk_view own = *view;
   own.power = &power;
   memset(F, 0, 3 * view->n * sizeof *F);
-  assert_int_equal(force->plugin->force->add(force->self, &own, F), HK_OK);
+  assert_int_equal(hk_force_add(force, &own, F), HK_OK);
   return power;
 }
 

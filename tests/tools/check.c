@@ -40,6 +40,11 @@ static void faults_of_implicit_methods_are_named(void **state) {
   right_and_wrong("implicit", 5);
 }
 
+static void faults_of_internal_variables_are_named(void **state) {
+  (void)state;
+  right_and_wrong("internal", 9);
+}
+
 static void faults_of_neighbours_are_named(void **state) {
   (void)state;
   right_and_wrong("neighbours", 13);
@@ -79,11 +84,17 @@ static void what_cannot_be_checked_is_said(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(faults_of_habits_are_named),           cmocka_unit_test(faults_of_parts_are_named),
-      cmocka_unit_test(faults_of_contact_are_named),          cmocka_unit_test(faults_of_histories_are_named),
-      cmocka_unit_test(faults_of_adaptive_methods_are_named), cmocka_unit_test(faults_of_tiles_are_named),
-      cmocka_unit_test(faults_of_implicit_methods_are_named), cmocka_unit_test(faults_of_neighbours_are_named),
-      cmocka_unit_test(faults_of_octrees_are_named),          cmocka_unit_test(faults_of_trees_of_boxes_are_named),
+      cmocka_unit_test(faults_of_habits_are_named),
+      cmocka_unit_test(faults_of_parts_are_named),
+      cmocka_unit_test(faults_of_contact_are_named),
+      cmocka_unit_test(faults_of_histories_are_named),
+      cmocka_unit_test(faults_of_adaptive_methods_are_named),
+      cmocka_unit_test(faults_of_tiles_are_named),
+      cmocka_unit_test(faults_of_internal_variables_are_named),
+      cmocka_unit_test(faults_of_implicit_methods_are_named),
+      cmocka_unit_test(faults_of_neighbours_are_named),
+      cmocka_unit_test(faults_of_octrees_are_named),
+      cmocka_unit_test(faults_of_trees_of_boxes_are_named),
       cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

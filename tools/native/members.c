@@ -170,6 +170,23 @@ static int accepted(lua_State *L) {
   return 1;
 }
 
+/* evolve(subject, h) -> what it dissipated, whether it says that the force changed, and that the blocks did, whether it
+ * was fine. The subject's time becomes that of the last accepted state. */
+static int evolve(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  hk_evolution e = {0};
+  if (!has(L, s->force->internal.evolve)) return 1;
+  hk_subject_enter(s, "evolve");
+  hk_status status = s->force->internal.evolve(s->instance->self, &s->view, luaL_checknumber(L, 2), &e);
+  hk_subject_leave(s);
+  s->run->state.model.t = s->view.t;
+  lua_pushnumber(L, e.dissipated);
+  lua_pushboolean(L, e.changed);
+  lua_pushboolean(L, e.pattern_changed);
+  lua_pushboolean(L, status == HK_OK);
+  return 4;
+}
+
 /* ---- encounters ---- */
 
 typedef struct collector {
@@ -344,6 +361,7 @@ static int flags(lua_State *L) {
                 {"step_limit", f->surfaces.step_limit},
                 {"longest_step", f->bounds.longest_step},
                 {"accepted", f->steps.accepted},
+                {"evolve", f->internal.evolve},
                 {"encounters", f->encounters.find},
                 {"add_part", f->own.add_part}};
   lua_pushinteger(L, f->own.flags);
@@ -359,9 +377,10 @@ __attribute__((visibility("default"))) int luaopen_members(lua_State *L);
 
 int luaopen_members(lua_State *L) {
   static const luaL_Reg functions[] = {
-      {"bound", bound},       {"elements", elements},     {"update", update}, {"limit", limit}, {"longest", longest},
-      {"accepted", accepted}, {"encounters", encounters}, {"change", change}, {"save", save},   {"restore", restore},
-      {"left", left},         {"selection", selection},   {"flags", flags},   {"watch", watch}, {NULL, NULL}};
+      {"bound", bound},         {"elements", elements}, {"update", update},     {"limit", limit},
+      {"longest", longest},     {"evolve", evolve},     {"accepted", accepted}, {"encounters", encounters},
+      {"change", change},       {"save", save},         {"restore", restore},   {"left", left},
+      {"selection", selection}, {"flags", flags},       {"watch", watch},       {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

@@ -35,6 +35,7 @@ typedef enum hk_type {
   HK_FIELD_PER_PARTICLE, /* of fields, beside numbers and integers */
   HK_FIELD_STATE,
   HK_FIELD_ARRAY,
+  HK_FIELD_PER_TUPLE,
   HK_TYPES /* it names no member, or several */
 } hk_type;
 
@@ -43,6 +44,10 @@ hk_type hk_field_type(const hk_field *);
 /* Its place in an instance; of a row that names one member. */
 void *hk_param_in(const hk_param *, const void *instance);
 void *hk_field_in(const hk_field *, const void *instance);
+/* The size of a row of the field table in a plugin of that version of the interface, bytes. */
+size_t hk_field_size(unsigned abi);
+/* Row k of the field table of a plugin's constant, whatever version it was built for. */
+hk_field hk_field_row(const hk_plugin *, size_t k);
 
 /* ---- The tables of a copy. Of a facet that the plugin does not have all members are 0 ---- */
 
@@ -53,6 +58,7 @@ typedef struct hk_force_tables {
   hk_elements_facet elements;
   hk_parts_facet parts;
   hk_steps_facet steps;
+  hk_internal_facet internal;
   hk_surfaces_facet surfaces;
   hk_encounters_facet encounters;
   hk_approximation_facet approximation;

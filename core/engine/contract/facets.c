@@ -27,6 +27,7 @@ static const facet_rule rules[] = {
     {OF_FORCE(ELEMENTS, elements, list), {HK_MEMBER(hk_elements_facet, list)}},
     {OF_FORCE(PARTS, parts, touch), {HK_MEMBER(hk_parts_facet, touch)}},
     {OF_FORCE(STEPS, steps, size), {{NULL, 0}}},
+    {OF_FORCE(INTERNAL, internal, evolve), {HK_MEMBER(hk_internal_facet, evolve)}},
     {OF_FORCE(SURFACES, surfaces, size), {{NULL, 0}}},
     {OF_FORCE(ENCOUNTERS, encounters, find), {HK_MEMBER(hk_encounters_facet, find)}},
     {OF_FORCE(APPROXIMATION, approximation, sharpen),
@@ -81,6 +82,8 @@ static bool one_facet(const hk_plugin *p, const hk_facet *f, hk_reason_text *rea
   if (!rule) return unknown(p, f->id, reason);
   for (const hk_facet *other = hk_facets_of(p); other < f; other++)
     if (strcmp(other->id, f->id) == 0) return hk_wrong(reason, "it has the facet '%s' twice", f->id);
+  if (strcmp(f->id, HK_INTERNAL_ID) == 0 && !(HK_HAS(p->force, energy) && p->force->energy))
+    return hk_wrong(reason, "it has the facet '%s' and no energy, which is what its elements dissipate", f->id);
   return hk_contract_table(f->table, rule->type, rule->least, rule->required, reason);
 }
 

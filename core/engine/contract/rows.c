@@ -13,10 +13,11 @@ static const size_t of_param[] = {
     [HK_TETRAHEDRA] = offsetof(hk_param, tetrahedra), [HK_PER_TUPLE] = offsetof(hk_param, per_tuple),
     [HK_FUNCTION] = offsetof(hk_param, function)};
 
-static const size_t of_field[] = {offsetof(hk_field, number), offsetof(hk_field, integer),
+static const size_t of_field[] = {offsetof(hk_field, number),       offsetof(hk_field, integer),
                                   offsetof(hk_field, per_particle), offsetof(hk_field, state),
-                                  offsetof(hk_field, array)};
-static const hk_type type_of_field[] = {HK_NUMBER, HK_INTEGER, HK_FIELD_PER_PARTICLE, HK_FIELD_STATE, HK_FIELD_ARRAY};
+                                  offsetof(hk_field, array),        offsetof(hk_field, per_tuple)};
+static const hk_type type_of_field[] = {HK_NUMBER,      HK_INTEGER,     HK_FIELD_PER_PARTICLE,
+                                        HK_FIELD_STATE, HK_FIELD_ARRAY, HK_FIELD_PER_TUPLE};
 
 /* The position of the only pointer that is set, and the pointer; `count`: there is none, or several. */
 static size_t only(const void *row, const size_t *offset, size_t count, uintptr_t *address) {
@@ -58,4 +59,13 @@ void *hk_field_in(const hk_field *f, const void *instance) {
   uintptr_t address = HK_BASE;
   only(f, of_field, FIELDS, &address);
   return in(instance, address);
+}
+
+size_t hk_field_size(unsigned abi) { return (abi & 0xffff) < 1 ? offsetof(hk_field, per_tuple) : sizeof(hk_field); }
+
+hk_field hk_field_row(const hk_plugin *plugin, size_t k) {
+  hk_field row = {0};
+  size_t size = hk_field_size(plugin->abi);
+  memcpy(&row, (const char *)plugin->fields + k * size, size);
+  return row;
 }

@@ -30,7 +30,8 @@ static const struct {
               [HK_FUNCTION] = {PLACE(const hk_function *)},
               [HK_FIELD_PER_PARTICLE] = {PLACE(double *)},
               [HK_FIELD_STATE] = {PLACE(double *)},
-              [HK_FIELD_ARRAY] = {PLACE(hk_array)}};
+              [HK_FIELD_ARRAY] = {PLACE(hk_array)},
+              [HK_FIELD_PER_TUPLE] = {PLACE(double *)}};
 
 static bool place(const char *name, hk_type type, const void *in_none, place_of_row *at) {
   if (type == HK_TYPES) return false;
@@ -71,9 +72,10 @@ static size_t choices_of(const char *text) {
 
 static bool is_list(const hk_param *p) { return p->particles || p->edges || p->triangles || p->tetrahedra; }
 
-static bool names_a_list(const hk_plugin *plugin, const hk_param *per_tuple) {
-  for (const hk_param *p = plugin->params; p->name; p++)
-    if (is_list(p) && (!per_tuple->list || strcmp(per_tuple->list, p->name) == 0)) return true;
+/* NULL: the first one. */
+static bool names_a_list(const hk_plugin *plugin, const char *list) {
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (is_list(p) && (!list || strcmp(list, p->name) == 0)) return true;
   return false;
 }
 
@@ -102,7 +104,7 @@ static bool text_of_param(const hk_plugin *plugin, const hk_param *p, hk_reason_
     return hk_wrong(reason,
                     "the text of the parameter '%s' has to be like \"function(t, x, id) -> f\" or \"function(t) -> f\"",
                     p->name);
-  if (p->per_tuple && !names_a_list(plugin, p))
+  if (p->per_tuple && !names_a_list(plugin, p->list))
     return hk_wrong(reason, "the parameter '%s' has a number per tuple of '%s', which is no list of its parameters",
                     p->name, p->list ? p->list : "");
   return true;
@@ -149,30 +151,48 @@ static bool rows_of_params(const hk_plugin *plugin, hk_reason_text *reason) {
 
 /* ---- fields ---- */
 
-static bool one_field(const hk_field *f, hk_reason_text *reason) {
+static bool one_field(const hk_plugin *plugin, const hk_field *f, hk_reason_text *reason) {
   bool scalar = f->number || f->integer;
   if (!scalar && (f->width == 0 || f->width > 1 << 20))
     return hk_wrong(reason, "the field '%s' has the width %zu", f->name, f->width);
   if (f->flags & HK_PUBLISHED && !f->per_particle)
     return hk_wrong(reason, "the field '%s' is published and not per particle", f->name);
+  if (f->list && !hk_loaded_text(f->list)) return hk_wrong(reason, "the list of the field '%s' is no text", f->name);
+  if (f->per_tuple && !names_a_list(plugin, f->list))
+    return hk_wrong(reason, "the field '%s' is per tuple of '%s', which is no list of its parameters", f->name,
+                    f->list ? f->list : "");
+  if (f->list && !f->per_tuple)
+    return hk_wrong(reason, "the field '%s' names the list '%s' and is not per tuple", f->name, f->list);
+  return true;
+}
+
+/* The row lies apart from the rows before it and from the parameters. */
+static bool alone(const hk_plugin *plugin, size_t k, const place_of_row *at, hk_reason_text *reason) {
+  place_of_row other;
+  for (size_t m = 0; m < k; m++) {
+    const hk_field before = hk_field_row(plugin, m);
+    if (place_of_field(&before, &other) && !apart(&other, at, reason)) return false;
+  }
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (place_of_param(p, &other) && !apart(&other, at, reason)) return false;
   return true;
 }
 
 static bool rows_of_fields(const hk_plugin *plugin, hk_reason_text *reason) {
-  place_of_row at, other;
-  for (const hk_field *f = plugin->fields; f; f++) {
-    size_t row = (size_t)(f - plugin->fields) + 1;
-    if (!hk_loaded_memory(f, sizeof *f) || (f->name && !hk_loaded_word(f->name)))
-      return hk_wrong(reason, "its table of fields has no end: row %zu is none; close it with {0}", row);
-    if (!f->name) return true;
-    if (!place_of_field(f, &at))
-      return hk_wrong(reason, "the field '%s' keeps %s: .state = HK_AT(instance, member), say", f->name,
+  place_of_row at;
+  size_t size = hk_field_size(plugin->abi);
+  for (size_t k = 0; plugin->fields; k++) {
+    const char *here = (const char *)plugin->fields + k * size;
+    bool there = hk_loaded_memory(here, size);
+    const hk_field f = there ? hk_field_row(plugin, k) : (hk_field){0};
+    if (!there || (f.name && !hk_loaded_word(f.name)))
+      return hk_wrong(reason, "its table of fields has no end: row %zu is none; close it with {0}", k + 1);
+    if (!f.name) return true;
+    if (!place_of_field(&f, &at))
+      return hk_wrong(reason, "the field '%s' keeps %s: .state = HK_AT(instance, member), say", f.name,
                       "no member of the instance, or several");
-    if (!fits(plugin, "field", &at, reason) || !one_field(f, reason)) return false;
-    for (const hk_field *g = plugin->fields; g < f; g++)
-      if (place_of_field(g, &other) && !apart(&other, &at, reason)) return false;
-    for (const hk_param *p = plugin->params; p && p->name; p++)
-      if (place_of_param(p, &other) && !apart(&other, &at, reason)) return false;
+    if (!fits(plugin, "field", &at, reason) || !one_field(plugin, &f, reason) || !alone(plugin, k, &at, reason))
+      return false;
   }
   return true;
 }

@@ -74,8 +74,9 @@ struct hk_dynamics {
   hk_publication *publication;
   const hk_tuples **join; /* the parameters HK_EDGES of constraints */
   hk_tiles tiles;
-  double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
-  bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */
+  double *unaccounted; /* n x 3, the F of one force alone; NULL: the host computes no force's work */
+  bool updates, limits, listens,
+      demands;       /* a force has `update`, `step_limit`, `accepted` or `evolve`, `longest_step` */
   double *predicted; /* n x 3, predicted positions after the next step, scratch; NULL: no force has `update` or
                         `step_limit` */
   bool has_timed;
@@ -156,6 +157,9 @@ hk_status hk_forces_settle(hk_dynamics *); /* an update at the present positions
 double hk_forces_step_limit(hk_system *, double t, const double *X, const double *dx);
 double hk_forces_longest_step(hk_dynamics *);          /* s, at the present state, where forces demand one */
 hk_status hk_forces_accepted(hk_dynamics *, double h); /* to be called at the end of an accepted step */
+/* Internal variables move to the end of a step of h s at the present state, after `accepted`; h = 0: where forces begin
+ * to act. What the forces report is summed; blocks that change are told of. */
+hk_status hk_forces_evolve(hk_dynamics *, double h, hk_evolution *sum);
 hk_status hk_forces_potential(hk_system *, double t, const double *X, double *joule);
 bool hk_forces_stiffness(hk_system *, hk_stiffness_part, bool stiffening, double (*block)[6]);
 

@@ -1,5 +1,6 @@
 /* Calls to all forces besides F: the update of contact candidates, the safe fraction of a displacement, the potential
- * with timed forces, bounds of the stiffness, the longest step, and the notice that a step was accepted. A force
+ * with timed forces, bounds of the stiffness, the longest step, the notice that a step was accepted, and the
+ * change of internal variables then. A force
  * without the function is skipped, unless its contract names a substitute. */
 #include "core/engine/contract/contract.h"
 #include "core/engine/evaluate/evaluate.h"
@@ -77,6 +78,32 @@ hk_status hk_forces_accepted(hk_dynamics *d, double h) {
     const hk_instance *outer = hk_enter(force);
     status = hk_leave_with(force, outer, "accepted", hk_force_of(force->plugin)->steps.accepted(force->self, &view, h));
   }
+  return status;
+}
+
+static hk_status evolve_one(hk_dynamics *d, size_t k, double h, hk_evolution *sum) {
+  const hk_instance *force = force_at(d, k);
+  hk_evolution own = {0};
+  hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+  hk_status status = set_time(d, k, d->state->t);
+  if (status != HK_OK) return status;
+  const hk_instance *outer = hk_enter(force);
+  status = hk_force_of(force->plugin)->internal.evolve(force->self, &view, h, &own);
+  status = hk_leave_with(force, outer, "evolve", status);
+  if (status != HK_OK) return status;
+  if (!isfinite(own.dissipated))
+    return hk_error_set(d->error, HK_NOT_FINITE, "%s: what it dissipated up to t = %g s is not finite", force->label,
+                        d->state->t);
+  sum->dissipated += own.dissipated;
+  sum->changed |= own.changed;
+  if (own.pattern_changed && d->blocks_changed) d->blocks_changed(d, false);
+  return HK_OK;
+}
+
+hk_status hk_forces_evolve(hk_dynamics *d, double h, hk_evolution *sum) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->split.forces && status == HK_OK; k++)
+    if (d->force_acts[k] && hk_force_of(force_at(d, k)->plugin)->internal.evolve) status = evolve_one(d, k, h, sum);
   return status;
 }
 

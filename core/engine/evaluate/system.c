@@ -63,7 +63,7 @@ static hk_status list_forces(hk_dynamics *d) {
                                        .flags = f->own.flags,
                                        .jacobian = f->implicit.jacobian != NULL,
                                        .elements = f->elements.list != NULL,
-                                       .gradient = f->own.energy && !(f->own.flags & HK_POWER)};
+                                       .gradient = f->own.energy && !(f->own.flags & (HK_POWER | HK_DEPENDS_ON_V))};
   }
   d->split = (hk_split_table){.forces = count, .force = d->force_info, .takes = d->takes};
   hk_dynamics_take_all(d);
@@ -80,7 +80,7 @@ static void set_flags(hk_dynamics *d) {
     d->has_timed |= forces->item[k]->spec->timed_count > 0;
     d->updates |= f->steps.update != NULL;
     d->limits |= f->surfaces.step_limit != NULL;
-    d->listens |= f->steps.accepted != NULL;
+    d->listens |= f->steps.accepted || f->internal.evolve;
     d->demands |= f->bounds.longest_step != NULL;
   }
   for (size_t k = 0; k < constraints->count; k++) d->has_timed |= constraints->item[k]->spec->timed_count > 0;

@@ -1,5 +1,6 @@
 /* The evolving data of an instance, described by its field table: their memory, their remapping after births and
- * deaths, and the visit of all fields that writes and reads checkpoints. */
+ * deaths (of what belongs to tuples, one by one with them: instance.c), and the visit of all fields that writes and
+ * reads checkpoints. */
 #include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 
@@ -7,9 +8,16 @@
 
 static void *field_at(const hk_instance *instance, const hk_field *f) { return hk_field_in(f, instance->self); }
 
-static bool is_vector(const hk_field *f) { return f->state || f->per_particle; }
+static bool is_vector(const hk_field *f) { return f->state || f->per_particle || f->per_tuple; }
 
-static size_t length_of(const hk_field *f, size_t n, size_t size) { return f->width * (f->state ? size : n); }
+static size_t tuples_of(const hk_instance *instance, const hk_field *f) {
+  const hk_tuples *list = hk_param_in(hk_param_list(instance->plugin, f->list), instance->self);
+  return list->count;
+}
+
+static size_t length_of(const hk_instance *instance, const hk_field *f, size_t n, size_t size) {
+  return f->width * (f->per_tuple ? tuples_of(instance, f) : f->state ? size : n);
+}
 
 static hk_status no_memory(const hk_instance *instance, const hk_field *f, hk_error *error) {
   return hk_error_set(error, HK_NO_MEMORY, "%s: no memory for '%s'", instance->label, f->name);
@@ -19,7 +27,7 @@ hk_status hk_fields_allocate(hk_instance *instance, size_t n, size_t size, hk_er
   for (const hk_field *f = instance->plugin->fields; f && f->name; f++) {
     if (!is_vector(f)) continue;
     double **vector = field_at(instance, f);
-    *vector = instance->host.allocate(&instance->host, length_of(f, n, size) * sizeof **vector);
+    *vector = instance->host.allocate(&instance->host, length_of(instance, f, n, size) * sizeof **vector);
     if (!*vector) return no_memory(instance, f, error);
   }
   return HK_OK;
@@ -29,7 +37,7 @@ hk_status hk_fields_allocate(hk_instance *instance, size_t n, size_t size, hk_er
 static hk_status remap_field(hk_instance *instance, const hk_field *f, const uint32_t *map, size_t n_old, size_t n,
                              size_t size, hk_error *error) {
   double **vector = field_at(instance, f), *old = *vector, *fresh = old;
-  size_t length = length_of(f, n, size);
+  size_t length = length_of(instance, f, n, size);
   bool grows = length * sizeof *fresh > hk_memory_size(old);
   if (grows) fresh = instance->host.allocate(&instance->host, (length + length / 8) * sizeof *fresh);
   if (!fresh) return no_memory(instance, f, error);
@@ -46,8 +54,17 @@ hk_status hk_fields_remap(hk_instance *instance, const uint32_t *map, size_t n_o
                           hk_error *error) {
   hk_status status = HK_OK;
   for (const hk_field *f = instance->plugin->fields; f && f->name && status == HK_OK; f++)
-    if (is_vector(f)) status = remap_field(instance, f, map, n_old, n, size, error);
+    if (is_vector(f) && !f->per_tuple) status = remap_field(instance, f, map, n_old, n, size, error);
   return status;
+}
+
+void hk_fields_move_tuple(hk_instance *instance, const hk_param *list, size_t from, size_t to) {
+  if (!instance->started || from == to) return;
+  for (const hk_field *f = instance->plugin->fields; f && f->name; f++) {
+    if (!f->per_tuple || hk_param_list(instance->plugin, f->list) != list) continue;
+    double *values = *(double **)field_at(instance, f);
+    memcpy(values + f->width * to, values + f->width * from, f->width * sizeof *values);
+  }
 }
 
 static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(void *, void *, size_t),
@@ -69,7 +86,7 @@ bool hk_fields_visit(hk_instance *instance, size_t n, size_t size,
     if (f->array)
       fine = visit_array(instance, f, visit, context);
     else if (is_vector(f))
-      fine = visit(context, *(double **)field_at(instance, f), length_of(f, n, size) * sizeof(double));
+      fine = visit(context, *(double **)field_at(instance, f), length_of(instance, f, n, size) * sizeof(double));
     else
       fine = visit(context, field_at(instance, f), 8);
   }

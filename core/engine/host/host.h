@@ -113,8 +113,8 @@ hk_status hk_spec_set(hk_plugin_spec *, const hk_param *, const hk_value *value,
  * tuples' count. */
 hk_status hk_spec_check(const hk_plugin_spec *, hk_error *error);
 unsigned hk_param_arity(const hk_param *); /* arity of a list of tuples; 0: the parameter is no such list */
-/* The list of tuples of a HK_PER_TUPLE parameter, or NULL. */
-const hk_param *hk_param_list(const hk_plugin *, const hk_param *per_tuple);
+/* The list of tuples of that name among its parameters; `list` NULL: the first. NULL: there is none. */
+const hk_param *hk_param_list(const hk_plugin *, const char *list);
 hk_status hk_param_check_list(const char *label, const hk_param *, const double *list, size_t count, hk_error *error);
 
 /* ---- instance.c, fields.c, services.c: a plugin in a run. Order of calls: create (a copy of the spec's values) ->
@@ -217,6 +217,8 @@ hk_status hk_fields_remap(hk_instance *, const uint32_t *map, size_t n_old, size
 /* Calls visit(context, memory, bytes) for every field that is saved, in order; lengths of arrays come first, and a
  * visit that changes one (reading) resizes the array, after one with `data` NULL that says whether so many bytes
  * follow. False: a visit was false, or there was no memory. */
+/* The values of a tuple of that list move to the place `to`, in all fields per tuple of it; to <= from. */
+void hk_fields_move_tuple(hk_instance *, const hk_param *list, size_t from, size_t to);
 bool hk_fields_visit(hk_instance *, size_t n, size_t size, bool (*visit)(void *context, void *data, size_t bytes),
                      void *context);
 extern const hk_host hk_host_table;

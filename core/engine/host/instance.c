@@ -106,7 +106,7 @@ static hk_status copy_lists(hk_instance *instance, hk_error *error) {
 static void move_values(hk_instance *instance, const hk_param *p, size_t e, size_t to) {
   for (const hk_param *q = instance->plugin->params; q->name; q++) {
     hk_per_tuple *list = field_of(instance, q);
-    if (!q->per_tuple || list->count <= 1 || hk_param_list(instance->plugin, q) != p) continue;
+    if (!q->per_tuple || list->count <= 1 || hk_param_list(instance->plugin, q->list) != p) continue;
     if (to == SIZE_MAX)
       list->count = e;
     else
@@ -114,7 +114,7 @@ static void move_values(hk_instance *instance, const hk_param *p, size_t e, size
   }
 }
 
-/* Removes tuples with dead members, and their numbers in the HK_PER_TUPLE lists. */
+/* Removes tuples with dead members, and their numbers in the HK_PER_TUPLE lists and in fields. */
 static void remap_tuples(hk_instance *instance, const hk_param *p, const uint32_t *map) {
   hk_tuples *tuples = field_of(instance, p);
   uint32_t *index = (uint32_t *)(uintptr_t)tuples->index; /* the host's own memory */
@@ -124,6 +124,7 @@ static void remap_tuples(hk_instance *instance, const hk_param *p, const uint32_
     for (size_t c = 0; c < arity; c++) alive = alive && map[index[arity * e + c]] != UINT32_MAX;
     if (!alive) continue;
     for (size_t c = 0; c < arity; c++) index[arity * kept + c] = map[index[arity * e + c]];
+    hk_fields_move_tuple(instance, p, e, kept);
     move_values(instance, p, e, kept++);
   }
   move_values(instance, p, kept, SIZE_MAX);

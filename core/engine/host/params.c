@@ -259,14 +259,14 @@ unsigned hk_param_arity(const hk_param *p) {
   return p->particles ? 1 : p->edges ? 2 : p->triangles ? 3 : p->tetrahedra ? 4 : 0;
 }
 
-const hk_param *hk_param_list(const hk_plugin *plugin, const hk_param *per_tuple) {
+const hk_param *hk_param_list(const hk_plugin *plugin, const char *list) {
   for (const hk_param *p = plugin->params; p && p->name; p++)
-    if (hk_param_arity(p) && (!per_tuple->text || strcmp(per_tuple->text, p->name) == 0)) return p;
+    if (hk_param_arity(p) && (!list || strcmp(list, p->name) == 0)) return p;
   return NULL;
 }
 
 static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
-  const hk_param *list = hk_param_list(spec->plugin, p);
+  const hk_param *list = hk_param_list(spec->plugin, p->list);
   const hk_per_tuple *values = hk_param_in(p, spec->values);
   bool given = spec->given[p - spec->plugin->params]; /* an empty list says nothing of any tuple */
   if (!list || values->count == 1 || (values->count == 0 && !given)) return HK_OK;

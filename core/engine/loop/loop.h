@@ -18,6 +18,7 @@ typedef struct hk_record {
   double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
   double kinetic_sum;            /* J, over the frames */
   double correction_work;        /* J, energy that correctors reported to have given */
+  double dissipated;             /* J, that internal variables of forces took */
   bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
   bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
   bool growth_expected;  /* the integrator has no stable step on this scene */
@@ -170,6 +171,10 @@ hk_status hk_contact_begin(hk_loop *, double h); /* before a step of h s: update
 bool hk_contact_rejects(hk_loop *, hk_status *status);
 /* *rejected: the move from X_before to the state is safe in part only; the state before the step is then restored. */
 hk_status hk_contact_check(hk_loop *, double t_before, bool *rejected);
+
+/* J, the work done on the scene: that of pins and non-conservative forces, which is integrated with the state, less
+ * what internal variables dissipated. The latter is kept apart from X, of which some methods have a copy. */
+static inline double hk_loop_work(const hk_state *s, const hk_record *r) { return s->X[s->size - 1] - r->dissipated; }
 
 /* ---- correctors.c ---- */
 

@@ -192,6 +192,7 @@ static hk_status integrator(hk_loop *loop, hk_attempt *a) {
 void hk_step_set_time(hk_loop *loop, double t) {
   loop->state->t = t;
   loop->state->view.t = t;
+  loop->state->model.t = t;
   loop->dynamics->system.t = t;
 }
 
@@ -271,12 +272,22 @@ static void note_step(hk_loop *loop, double h, double error) {
   if (error > r->worst_error) r->worst_error = error;
 }
 
+/* What forces remember of the step. */
+static hk_status accept_by_forces(hk_loop *loop, double h) {
+  hk_evolution e = {0};
+  hk_status status = hk_forces_accepted(loop->dynamics, h);
+  if (status == HK_OK) status = hk_forces_evolve(loop->dynamics, h, &e);
+  loop->record->dissipated += e.dissipated;
+  if (e.changed) hk_step_reset(loop, HK_STATE_CHANGED);
+  return status;
+}
+
 hk_status hk_step_accept(hk_loop *loop, double h, double error) {
   hk_state *s = loop->state;
   loop->emitted = false;
   if (loop->dynamics->evaluations.distance) hk_evaluations_accept(&loop->dynamics->evaluations, s->t);
   note_step(loop, h, error);
-  hk_status status = loop->dynamics->listens ? hk_forces_accepted(loop->dynamics, h) : HK_OK;
+  hk_status status = loop->dynamics->listens ? accept_by_forces(loop, h) : HK_OK;
   if (status == HK_OK && loop->record->steps % HK_TILE_STEPS == 0) {
     status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
     loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));

@@ -82,6 +82,8 @@ static hk_status begin_segment(hk_loop *loop, double stop) {
   hk_dynamics_refresh(d);
   hk_status status = hk_elements_refresh(d);
   if (status == HK_OK) status = hk_forces_settle(d);
+  hk_evolution begun = {0}; /* what it dissipates is in the change of the energy */
+  if (status == HK_OK) status = hk_forces_evolve(d, 0, &begun);
   if (status != HK_OK) return status;
   s->X[s->size - 1] += total_energy(loop) - before;
   hk_step_reset(loop, HK_STATE_CHANGED);

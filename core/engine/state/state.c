@@ -59,6 +59,7 @@ void hk_state_point(hk_state *s) {
   m->pin = s->pin;
   m->channel = s->channel;
   m->by_id = s->by_id;
+  m->t = s->t;
   m->edges.index = &s->edge[0][0];
   m->triangles.index = &s->triangle[0][0];
   s->view = (hk_view){.t = s->t, .n = n, .x = s->X, .v = s->X + 3 * n, .model = m, .acting = n};

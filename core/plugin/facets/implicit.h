@@ -14,8 +14,8 @@ enum { /* further hk_force.flags */
                                    converges more slowly. K may leave out how a damping changes with the positions */
 };
 
-/* First phase: names the blocks, once per topology and whenever the `update` of any force (facets/steps.h) reports a
- * changed pattern. */
+/* First phase: names the blocks, once per topology and whenever the `update` (facets/steps.h) or `evolve`
+ * (facets/internal.h) of any force reports a changed pattern. */
 typedef struct hk_pattern hk_pattern;
 struct hk_pattern {
   void (*block)(hk_pattern *, uint32_t row, uint32_t column);

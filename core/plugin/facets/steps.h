@@ -16,8 +16,8 @@ typedef struct hk_steps_facet {
    * a step, so elements must be found with a margin. *pattern_changed, false on entry: whether the blocks
    * (facets/implicit.h) differ from those before. May be NULL. */
   hk_status (*update)(void *self, const hk_view *from, const double *x_to, bool *pattern_changed);
-  /* Called after an accepted step of h s that ended at `view`: updates data that change once per step (lagged friction,
-   * plastic flow). May be NULL. */
+  /* Called after an accepted step of h s that ended at `view`: updates data that change once per step (lagged
+   * friction). What dissipates energy then is of facets/internal.h. May be NULL. */
   hk_status (*accepted)(void *self, const hk_view *view, double h);
 } hk_steps_facet;
 

@@ -61,7 +61,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   frame->fps = loop->fps;
   frame->kinetic = hk_state_kinetic(loop->state, loop->state->X);
   frame->potential = hk_query_potential(loop->dynamics, loop->state->t, loop->state->X);
-  frame->work = loop->state->X[loop->state->size - 1];
+  frame->work = hk_loop_work(loop->state, r);
   momenta(loop, frame);
   if (frame->kinetic > r->kinetic_max) r->kinetic_max = frame->kinetic;
   r->kinetic_sum = (r->frames ? r->kinetic_sum : 0) + frame->kinetic;

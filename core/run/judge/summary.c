@@ -116,7 +116,7 @@ static void energies(hk_loop *loop, hk_summary *s) {
   bool balanced = hk_query_has_energy(loop->dynamics);
   s->energy_first = r->energy_first;
   s->energy_last = kinetic + hk_query_potential(loop->dynamics, state->t, state->X);
-  s->energy_work = balanced ? state->X[state->size - 1] : NAN;
+  s->energy_work = balanced ? hk_loop_work(state, r) : NAN;
   s->kinetic_max = fmax(r->kinetic_max, kinetic);
   s->kinetic_mean = r->frames ? r->kinetic_sum / (double)r->frames : kinetic;
   bool known = balanced && !r->corrected && !r->sourced && s->kinetic_max > 0;

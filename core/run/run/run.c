@@ -82,7 +82,7 @@ void hk_run_energy(hk_run *run, double *kinetic, double *potential, double *work
   const hk_state *s = &run->state;
   *kinetic = hk_state_kinetic(s, s->X);
   *potential = hk_query_potential(&run->dynamics, s->t, s->X);
-  *work = s->X[s->size - 1];
+  *work = hk_loop_work(s, &run->record);
 }
 
 /* ---- forces of one plugin: of a force, or of a constraint ---- */

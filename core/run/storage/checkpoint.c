@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char hk_checkpoint_magic[] = "hooke checkpoint 6\n";
+const char hk_checkpoint_magic[] = "hooke checkpoint 7\n";
 
 typedef struct header {
   uint64_t record_bytes, n, width, channels, samples, warnings, measures, moments, numbers, room, cells;

@@ -1,5 +1,5 @@
 -- The tests of a force (hooke check), each in a process of its own. What they try is in force/: what every plugin owes
--- its host (habits), derivatives, claims, the further functions (further, contact, parts), births and deaths (population).
+-- its host (habits), derivatives, claims, the further functions (further, internal, contact, parts), births and deaths (population).
 local inspect = require("inspect")
 local members = require("members")
 local cases = require("common.check.force.cases")
@@ -8,6 +8,7 @@ local contact = require("common.check.force.contact")
 local derivatives = require("common.check.force.derivatives")
 local further = require("common.check.force.further")
 local habits = require("common.check.force.habits")
+local internal = require("common.check.force.internal")
 local large = require("common.check.force.large")
 local parts = require("common.check.force.parts")
 local population = require("common.check.force.population")
@@ -46,6 +47,7 @@ return function(plugin, report)
   derivatives.try(plugin, report)
   claims.try(plugin, report)
   further.try(plugin, report)
+  internal.try(plugin, report)
   contact.try(plugin, report)
   parts.try(plugin, report)
   population.try(plugin, report)

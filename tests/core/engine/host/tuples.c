@@ -1,5 +1,6 @@
 /* Lists of tuples of a plugin's parameters, several in one table, with numbers per tuple: what is refused, and what
  * births and deaths do to them. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/command.h"
 #include "tests/support/element_scenes.h"
 
@@ -116,6 +117,43 @@ static void deaths_take_their_tuples_and_their_numbers_of_the_right_list(void **
   test_engine_close(&e);
 }
 
+static void expect_numbers(test_engine *e, const hk_plugin_spec *spec, size_t row, const double *wanted, size_t count) {
+  const hk_instance *instance = test_instance(e, spec);
+  double *const *values = hk_field_in(&instance->plugin->fields[row], instance->self);
+  assert_memory_equal(*values, wanted, count * sizeof **values);
+}
+
+/* Particle 4 of six dies, and with it edges 2 and 3 of four and the first of three triangles. A checkpoint of then
+ * gives the same numbers to a run whose lists are still whole. */
+static void fields_per_tuple_go_with_their_tuples(void **state) {
+  (void)state;
+  test_engine e[2];
+  char path[512];
+  snprintf(path, sizeof path, "%s/tally.checkpoint", test_folder());
+  for (int k = 0; k < 2; k++) {
+    test_engine_open(&e[k]);
+    for (int i = 0; i < 6; i++) test_particle(&e[k], i, i * i, 0, 1);
+    hk_plugin_spec *tally = test_plugin(&e[k], HK_FORCE, "fixture:tally");
+    test_edges(&e[k], tally, (const uint32_t[][2]){{1, 2}, {3, 4}, {4, 5}, {5, 6}}, 4);
+    test_tuples(&e[k], tally, "triangles", 3, (const uint32_t[]){2, 3, 4, 1, 2, 3, 3, 5, 6}, 3);
+    hk_plugin_spec *reaper = test_plugin(&e[k], HK_SOURCE, "fixture:reaper");
+    test_number(&e[k], reaper, "id", 4);
+    test_number(&e[k], reaper, "at", 0.05);
+    e[k].options.dt = 0.01;
+    if (k) e[k].scene->start_file = strdup(path);
+    test_run(&e[k]);
+    if (k == 0) {
+      expect_numbers(&e[k], tally, 0, (const double[]){1, 2, 3, 4}, 4);
+      expect_numbers(&e[k], tally, 1, (const double[]){1, 2, 3, 4, 5, 6}, 6);
+      test_advance(&e[k], 0.1);
+      assert_int_equal(hk_run_save(e[k].run, path, &e[k].error), HK_OK);
+    }
+    expect_numbers(&e[k], tally, 0, (const double[]){1, 4}, 2);
+    expect_numbers(&e[k], tally, 1, (const double[]){3, 4, 5, 6}, 4);
+  }
+  for (int k = 0; k < 2; k++) test_engine_close(&e[k]);
+}
+
 /* A force on some particles offers the tuples whose members it acts on, all of them and no others. */
 static void a_selection_leaves_whole_tuples(void **state) {
   (void)state;
@@ -130,6 +168,7 @@ int main(void) {
       cmocka_unit_test(counts_that_differ_name_the_list_they_go_with),
       cmocka_unit_test(scripts_give_lists_of_builders_and_written_ones),
       cmocka_unit_test(deaths_take_their_tuples_and_their_numbers_of_the_right_list),
+      cmocka_unit_test(fields_per_tuple_go_with_their_tuples),
       cmocka_unit_test(a_selection_leaves_whole_tuples),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

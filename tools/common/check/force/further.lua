@@ -246,6 +246,7 @@ local function checkpoints_carry_it(plugin, lines)
       members.update(subject, x)
       inspect.force(subject, 0, 0)
       members.accepted(subject, 0.01)
+      members.evolve(subject, 0.01)
     end
     local second = cases.open(plugin, case)
     local restored = inspect.open(second, plugin.name)
