@@ -1,0 +1,147 @@
+/* See radau.h. Newton's form of the polynomial is B_0 + s (G_1 + (s - h_1)(G_2 + (s - h_2)(...))); the factors that
+ * take it to powers of s and back are computed from the nodes, in as many operations as a table of them would have
+ * entries. Rows follow each other in memory, and every loop goes along them. */
+#include "plugins/common/integrate/radau.h"
+
+enum { ROWS = HK_RADAU_ROWS };
+
+const double hk_radau_node[ROWS] = {0,
+                                    0.05626256053692214646565219,
+                                    0.1802406917368923649875799,
+                                    0.3526247171131696373739078,
+                                    0.5471536263305553830014486,
+                                    0.7342101772154105315232106,
+                                    0.8853209468390957680903598,
+                                    0.9775206135612875018911745};
+
+typedef struct rows {
+  const double *row[ROWS];
+} rows;
+
+static rows rows_of(const double *B, size_t length) {
+  rows r;
+  for (size_t j = 0; j < ROWS; j++) r.row[j] = B + j * length;
+  return r;
+}
+
+/* to = from + drift + sum w_j B_j, smallest terms first; drift: rate times v, or nothing. */
+static void sum_rows(double *restrict to, const double *restrict from, const double *restrict v, double rate,
+                     const double w[ROWS], const double *B, size_t length, size_t begin, size_t count) {
+  const rows r = rows_of(B + begin, length);
+  const double *b0 = r.row[0], *b1 = r.row[1], *b2 = r.row[2], *b3 = r.row[3], *b4 = r.row[4], *b5 = r.row[5],
+               *b6 = r.row[6], *b7 = r.row[7];
+  for (size_t e = 0; e < count; e++) {
+    double high = w[7] * b7[e] + w[6] * b6[e] + w[5] * b5[e] + w[4] * b4[e];
+    double low = w[3] * b3[e] + w[2] * b2[e] + w[1] * b1[e] + w[0] * b0[e];
+    to[e] = from[e] + (rate * (v ? v[e] : 0) + (low + high));
+  }
+}
+
+/* Weights of B_j in v and x at s of a step h: h s^(j+1)/(j+1) and h^2 s^(j+2)/((j+1)(j+2)). */
+static void weigh(double h, double s, double once[ROWS], double twice[ROWS]) {
+  double power = h * s;
+  for (int j = 0; j < ROWS; j++, power *= s) {
+    once[j] = power / (j + 1);
+    twice[j] = h * s * power / ((j + 1) * (j + 2));
+  }
+}
+
+void hk_radau_place(const double *B, const hk_system *sys, double h, int k, const double *X, double *to) {
+  size_t m = 3 * sys->n, length = sys->size - m;
+  double s = hk_radau_node[k], once[ROWS], twice[ROWS];
+  weigh(h, s, once, twice);
+  sum_rows(to, X, X + m, h * s, twice, B, length, 0, m);
+  sum_rows(to + m, X + m, NULL, 0, once, B, length, 0, length); /* velocities, channels and work */
+}
+
+/* Coefficients of s (s - h_1) ... (s - h_(k-1)): of s^(j+1) in c[j], j < k. */
+static void expand(int k, double c[ROWS]) {
+  c[0] = 1;
+  for (int i = 1; i < k; i++) {
+    c[i] = c[i - 1];
+    for (int j = i - 1; j > 0; j--) c[j] = c[j - 1] - hk_radau_node[i] * c[j];
+    c[0] = -hk_radau_node[i] * c[0];
+  }
+}
+
+void hk_radau_refine(double *B, double *G, size_t length, int k, const double *slope) {
+  double c[ROWS], *restrict g = G + (size_t)(k - 1) * length, *restrict top = B + (size_t)k * length;
+  expand(k, c);
+  for (size_t begin = 0; begin < length; begin += 64) { /* differences of a chunk stay in registers and cache */
+    double change[64];
+    size_t count = length - begin < 64 ? length - begin : 64;
+    for (size_t e = 0; e < count; e++) change[e] = (slope[begin + e] - B[begin + e]) / hk_radau_node[k];
+    for (int j = 1; j < k; j++) {
+      const double *lower = G + (size_t)(j - 1) * length + begin;
+      double gap = hk_radau_node[k] - hk_radau_node[j];
+      for (size_t e = 0; e < count; e++) change[e] = (change[e] - lower[e]) / gap;
+    }
+    for (size_t e = 0; e < count; e++) {
+      double found = change[e];
+      change[e] = found - g[begin + e];
+      g[begin + e] = found;
+      top[begin + e] += change[e];
+    }
+    for (int j = 0; j + 1 < k; j++) {
+      double *row = B + (size_t)(j + 1) * length + begin;
+      for (size_t e = 0; e < count; e++) row[e] += c[j] * change[e];
+    }
+  }
+}
+
+/* From the highest power down, G_k is what is left of B_k when the products above are taken out. */
+void hk_radau_divide(const double *B, size_t length, double *G) {
+  double c[ROWS + 1][ROWS];
+  for (int k = 1; k < ROWS; k++) expand(k, c[k]);
+  for (int k = ROWS - 1; k > 0; k--) {
+    double *restrict g = G + (size_t)(k - 1) * length;
+    const double *restrict b = B + (size_t)k * length;
+    for (size_t e = 0; e < length; e++) g[e] = b[e];
+    for (int j = k + 1; j < ROWS; j++) {
+      const double *above = G + (size_t)(j - 1) * length;
+      for (size_t e = 0; e < length; e++) g[e] -= c[j][k - 1] * above[e];
+    }
+  }
+}
+
+/* x += d with what rounding takes kept in `lost`. */
+static void add_compensated(double *restrict x, double *restrict lost, const double *restrict d, size_t count) {
+  for (size_t e = 0; e < count; e++) {
+    double y = d[e] - lost[e], t = x[e] + y;
+    lost[e] = (t - x[e]) - y;
+    x[e] = t;
+  }
+}
+
+void hk_radau_finish(const double *B, const hk_system *sys, double h, double *X, double *lost) {
+  enum { CHUNK = 64 };
+  static const double zero[CHUNK];
+  size_t m = 3 * sys->n, length = sys->size - m;
+  double once[ROWS], twice[ROWS], d[CHUNK];
+  weigh(h, 1, once, twice);
+  for (size_t e = 0; e < m; e += CHUNK) {
+    size_t count = m - e < CHUNK ? m - e : CHUNK;
+    sum_rows(d, zero, X + m + e, h, twice, B, length, e, count);
+    add_compensated(X + e, lost + e, d, count);
+  }
+  for (size_t e = 0; e < length; e += CHUNK) {
+    size_t count = length - e < CHUNK ? length - e : CHUNK;
+    sum_rows(d, zero, NULL, 0, once, B, length, e, count);
+    add_compensated(X + m + e, lost + m + e, d, count);
+  }
+}
+
+void hk_radau_foretell(const double *last, size_t length, double q, double *B) {
+  double power = 1, binomial[ROWS] = {1, 1, 1, 1, 1, 1, 1, 1}; /* of k over j, for k = 0 .. 7 */
+  for (int j = 1; j < ROWS; j++) {
+    double *restrict b = B + (size_t)j * length;
+    power *= q;
+    for (int k = ROWS - 1; k >= j; k--) binomial[k] = binomial[k] * (k - j + 1) / j;
+    for (size_t e = 0; e < length; e++) b[e] = 0;
+    for (int k = ROWS - 1; k >= j; k--) {
+      const double *from = last + (size_t)(k - 1) * length;
+      double w = power * binomial[k];
+      for (size_t e = 0; e < length; e++) b[e] += w * from[e];
+    }
+  }
+}
