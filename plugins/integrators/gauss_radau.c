@@ -282,7 +282,8 @@ static double growth(const void *self, const void *method, double hw, double hg,
   return exp(fmax(creal(z[0]), creal(z[1])));
 }
 
-static const hk_adaptive_facet adaptive = {.size = sizeof adaptive, .tolerance = DBL_EPSILON};
+static const hk_adaptive_facet adaptive = {
+    .size = sizeof adaptive, .tolerance = DBL_EPSILON, .finest = DBL_EPSILON / 200, .evaluations = 35};
 static const hk_facet facets[] = {{HK_ADAPTIVE_ID, &adaptive}, {0}};
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),

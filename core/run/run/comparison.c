@@ -135,8 +135,8 @@ static void use_reference(hk_comparison *c, const hk_comparison_run *reference) 
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
-  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
-           reference->method, reference->tol);
+  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
+           reference->method, reference->tol, reference->perturbation);
 }
 
 /* Functions that vibrate limit the steps. */

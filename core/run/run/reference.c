@@ -1,10 +1,14 @@
 /* A run with an independent method: an adaptive one of high order, explicit or, where a scene is too stiff for that,
- * implicit. What two runs of one method have in common (swings that it damps, steps that skip what happens) it does not
- * share, because it chooses its steps by its own estimate of their errors. It is worth a part of the run's own cost;
- * costs are counted in evaluations, never by a clock, so that verdicts are reproducible. */
+ * implicit; where it has to be more accurate than 1e-9, one that reaches rounding (facet adaptive: `finest`). A
+ * reference is better than the run: where that is adaptive, the reference has a tenth of its tolerance at most, or
+ * there is none. What two runs of one method have in common (swings that it damps, steps that skip what happens) it
+ * does not share, because it chooses its steps by its own estimate of their errors. It is worth a part of the run's own
+ * cost; costs are counted in evaluations, never by a clock, so that verdicts are reproducible. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/run.h"
+
+#include <float.h>
 
 enum { LEAST_ORDER = 4 };
 
@@ -26,17 +30,27 @@ static const struct budget {
 static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
 enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
 
-static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6;
+static const double usual_finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6, of_own = 0.1;
+
+/* A method reaches rounding whose tolerance may be so small; it is worth its sweeps below a tolerance `sharp`; and its
+ * iteration converges up to h w of some 2. */
+static const double rounding = 1e-15, sharp = 2e-9, iteration_limit = 2;
 
 typedef struct wish {
-  bool implicit, constraints;
+  bool implicit, constraints, rounding;
 } wish;
+
+static double finest(const hk_integrator *m) {
+  double stated = hk_integrator_tables_of(m)->adaptive.finest;
+  return stated > 0 ? stated : usual_finest;
+}
 
 static bool suits(const hk_plugin *plugin, const void *context) {
   const wish *w = context;
   const hk_integrator *m = plugin->integrator;
   bool solves = m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN);
   if (!(m->flags & HK_ADAPTIVE) || solves != w->implicit || m->order < LEAST_ORDER) return false;
+  if (w->rounding != (finest(m) <= rounding)) return false;
   return !(w->implicit && !(m->flags & HK_IMPLICIT)) &&
          !(w->constraints && hk_integrator_tables_of(m)->constrained.refused);
 }
@@ -52,7 +66,8 @@ static double cost(const hk_run *whole) {
 }
 
 static double step_cost(const hk_run *whole, const hk_integrator *method) {
-  if (!(method->flags & HK_IMPLICIT)) return method->stages;
+  double stated = hk_integrator_tables_of(method)->adaptive.evaluations;
+  if (!(method->flags & HK_IMPLICIT)) return stated > 0 ? stated : method->stages;
   return method->stages * implicit_stage + jacobian_cost + factors(whole);
 }
 
@@ -68,35 +83,68 @@ static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_inte
  * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
 static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
   double w = fmax(want->frequency, whole->step->spectrum.w_reached);
-  double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / method->stages;
+  bool iterates = hk_integrator_tables_of(method)->adaptive.evaluations > 0;
+  double limit = iterates ? iteration_limit : method->stages;
+  double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / limit;
   return fmax((double)whole->record.frames, stable);
 }
 
-static double tolerance(const hk_reference *want, const struct strictness *strict) {
-  return fmax(finest, fmin(coarsest, want->relative * strict->part));
+static double tolerance(const hk_run *whole, const hk_reference *want, const struct strictness *strict) {
+  bool adaptive = whole->loop.method->flags & HK_ADAPTIVE;
+  double least = adaptive ? of_own * whole->dynamics.system.tol : INFINITY;
+  return fmin(least, fmin(coarsest, want->relative * strict->part));
+}
+
+/* Of all runs of smooth motion the reference that reaches rounding differs by the rounding errors of the start. */
+static hk_run_options options_of(const hk_run_options *first, const hk_reference *want, const hk_plugin *plugin,
+                                 double tol) {
+  hk_run_options o = hk_comparison_run_options(first, 2);
+  if (finest(plugin->integrator) <= rounding) o.perturb = DBL_EPSILON;
+  o.integrator = plugin->name;
+  o.dt = INFINITY;
+  o.tol = fmax(tol, finest(plugin->integrator));
+  o.refine = 0;
+  o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
+  return o;
 }
 
 static bool attempt(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
-                    const hk_reference *want, const struct strictness *strict, bool implicit,
-                    hk_comparison_run *found) {
-  wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
+                    const hk_reference *want, const struct strictness *strict, wish w, hk_comparison_run *found) {
   const hk_plugin *plugin;
   hk_error error = {0};
+  double tol = tolerance(whole, want, strict);
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
+  bool adaptive = whole->loop.method->flags & HK_ADAPTIVE;
+  if (adaptive && fmax(tol, finest(plugin->integrator)) > of_own * whole->dynamics.system.tol) return false;
   double steps = allowed_steps(whole, want->effort, plugin->integrator);
   if (!(steps >= least_steps(whole, want, plugin->integrator))) return false;
-  hk_run_options o = hk_comparison_run_options(first, 2);
-  o.integrator = plugin->name;
-  o.dt = INFINITY;
-  o.tol = tolerance(want, strict);
-  o.refine = 0;
-  o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
+  hk_run_options o = options_of(first, want, plugin, tol);
   o.step_limit = (size_t)steps;
   bool reached = hk_comparison_run_take(loader, &o, whole, whole->state.t, found, &error) == HK_OK;
   found->method = plugin->name;
+  found->perturbation = o.perturb;
   found->reserve = strict->reserve;
   if (!reached) hk_trajectory_free(&found->trajectory);
   return reached;
+}
+
+/* An explicit method: where a tolerance is sharp, one that reaches rounding, of smooth scenes. */
+static bool attempt_explicit(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
+                             const hk_reference *want, const struct strictness *strict, hk_comparison_run *found) {
+  wish w = {.constraints = whole->plugins.kind[HK_CONSTRAINT].count > 0};
+  bool smooth = !w.constraints && !whole->dynamics.system.contact;
+  if (smooth && tolerance(whole, want, strict) < sharp) {
+    wish best = w;
+    best.rounding = true;
+    if (attempt(loader, first, whole, want, strict, best, found)) return true;
+  }
+  return attempt(loader, first, whole, want, strict, w, found);
+}
+
+static bool attempt_implicit(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
+                             const hk_reference *want, const struct strictness *strict, hk_comparison_run *found) {
+  wish w = {.implicit = true, .constraints = whole->plugins.kind[HK_CONSTRAINT].count > 0};
+  return attempt(loader, first, whole, want, strict, w, found);
 }
 
 /* Steps that an explicit method could take are not too short for another one. */
@@ -115,9 +163,10 @@ bool hk_reference_take(const hk_scene_loader *loader, const hk_run_options *firs
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
   if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
-    if (k > 0 && !(tolerance(want, &strictnesses[k]) > tolerance(want, &strictnesses[k - 1]))) break; /* the same run */
-    if (attempt(loader, first, whole, want, &strictnesses[k], false, found)) return true;
-    if (!is_explicit(whole) && attempt(loader, first, whole, want, &strictnesses[k], true, found)) return true;
+    double tol = tolerance(whole, want, &strictnesses[k]);
+    if (k > 0 && !(tol > tolerance(whole, want, &strictnesses[k - 1]))) break; /* the same run */
+    if (attempt_explicit(loader, first, whole, want, &strictnesses[k], found)) return true;
+    if (!is_explicit(whole) && attempt_implicit(loader, first, whole, want, &strictnesses[k], found)) return true;
   }
   return false;
 }
