@@ -30,7 +30,7 @@ static const struct budget {
 static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
 enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
 
-static const double usual_finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6, of_own = 0.1;
+static const double coarsest = 1e-6, of_own = 0.1;
 
 /* A method reaches rounding whose tolerance may be so small; it is worth its sweeps below a tolerance `sharp`; and its
  * iteration converges up to h w of some 2. */
@@ -40,17 +40,12 @@ typedef struct wish {
   bool implicit, constraints, rounding;
 } wish;
 
-static double finest(const hk_integrator *m) {
-  double stated = hk_integrator_tables_of(m)->adaptive.finest;
-  return stated > 0 ? stated : usual_finest;
-}
-
 static bool suits(const hk_plugin *plugin, const void *context) {
   const wish *w = context;
   const hk_integrator *m = plugin->integrator;
   bool solves = m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN);
   if (!(m->flags & HK_ADAPTIVE) || solves != w->implicit || m->order < LEAST_ORDER) return false;
-  if (w->rounding != (finest(m) <= rounding)) return false;
+  if (w->rounding != (hk_finest_tolerance(m) <= rounding)) return false;
   return !(w->implicit && !(m->flags & HK_IMPLICIT)) &&
          !(w->constraints && hk_integrator_tables_of(m)->constrained.refused);
 }
@@ -89,62 +84,72 @@ static double least_steps(const hk_run *whole, const hk_reference *want, const h
   return fmax((double)whole->record.frames, stable);
 }
 
-static double tolerance(const hk_run *whole, const hk_reference *want, const struct strictness *strict) {
-  bool adaptive = whole->loop.method->flags & HK_ADAPTIVE;
-  double least = adaptive ? of_own * whole->dynamics.system.tol : INFINITY;
-  return fmin(least, fmin(coarsest, want->relative * strict->part));
+/* What is looked for, and with what confidence. */
+typedef struct search {
+  const hk_scene_loader *loader;
+  const hk_run_options *first;
+  const hk_run *whole;
+  const hk_reference *want;
+  const struct strictness *strict;
+  hk_comparison_run *found;
+  hk_error error; /* of the last run that was tried */
+} search;
+
+static double least_of_own(const hk_run *whole) {
+  return whole->loop.method->flags & HK_ADAPTIVE ? of_own * whole->dynamics.system.tol : INFINITY;
 }
 
-/* Of all runs of smooth motion the reference that reaches rounding differs by the rounding errors of the start. */
-static hk_run_options options_of(const hk_run_options *first, const hk_reference *want, const hk_plugin *plugin,
-                                 double tol) {
-  hk_run_options o = hk_comparison_run_options(first, 2);
-  if (finest(plugin->integrator) <= rounding) o.perturb = DBL_EPSILON;
+static double tolerance(const search *s, const struct strictness *strict) {
+  return fmin(least_of_own(s->whole), fmin(coarsest, s->want->relative * strict->part));
+}
+
+/* The reference that reaches rounding starts where the run does, up to rounding, so that its distance is the error. */
+static hk_run_options options_of(const search *s, const hk_plugin *plugin) {
+  hk_run_options o = hk_comparison_run_options(s->first, 2);
+  double finest = hk_finest_tolerance(plugin->integrator);
+  if (finest <= rounding) o.perturb = DBL_EPSILON;
   o.integrator = plugin->name;
   o.dt = INFINITY;
-  o.tol = fmax(tol, finest(plugin->integrator));
+  o.tol = fmax(tolerance(s, s->strict), finest);
   o.refine = 0;
-  o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
+  o.dt_most = isfinite(s->want->dt_most) ? s->want->dt_most : 0;
   return o;
 }
 
-static bool attempt(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
-                    const hk_reference *want, const struct strictness *strict, wish w, hk_comparison_run *found) {
+static bool attempt(search *s, wish w) {
+  const hk_run *whole = s->whole;
   const hk_plugin *plugin;
-  hk_error error = {0};
-  double tol = tolerance(whole, want, strict);
-  if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
-  bool adaptive = whole->loop.method->flags & HK_ADAPTIVE;
-  if (adaptive && fmax(tol, finest(plugin->integrator)) > of_own * whole->dynamics.system.tol) return false;
-  double steps = allowed_steps(whole, want->effort, plugin->integrator);
-  if (!(steps >= least_steps(whole, want, plugin->integrator))) return false;
-  hk_run_options o = options_of(first, want, plugin, tol);
+  s->error = (hk_error){0};
+  if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &s->error) != HK_OK) return false;
+  hk_run_options o = options_of(s, plugin);
+  double steps = allowed_steps(whole, s->want->effort, plugin->integrator);
+  if (o.tol > least_of_own(whole) || !(steps >= least_steps(whole, s->want, plugin->integrator))) return false;
   o.step_limit = (size_t)steps;
-  bool reached = hk_comparison_run_take(loader, &o, whole, whole->state.t, found, &error) == HK_OK;
-  found->method = plugin->name;
-  found->perturbation = o.perturb;
-  found->reserve = strict->reserve;
-  if (!reached) hk_trajectory_free(&found->trajectory);
+  bool reached = hk_comparison_run_take(s->loader, &o, whole, whole->state.t, s->found, &s->error) == HK_OK;
+  s->found->method = plugin->name;
+  s->found->perturbation = o.perturb;
+  s->found->reserve = s->strict->reserve;
+  if (!reached) hk_trajectory_free(&s->found->trajectory);
   return reached;
 }
 
-/* An explicit method: where a tolerance is sharp, one that reaches rounding, of smooth scenes. */
-static bool attempt_explicit(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
-                             const hk_reference *want, const struct strictness *strict, hk_comparison_run *found) {
-  wish w = {.constraints = whole->plugins.kind[HK_CONSTRAINT].count > 0};
-  bool smooth = !w.constraints && !whole->dynamics.system.contact;
-  if (smooth && tolerance(whole, want, strict) < sharp) {
-    wish best = w;
-    best.rounding = true;
-    if (attempt(loader, first, whole, want, strict, best, found)) return true;
-  }
-  return attempt(loader, first, whole, want, strict, w, found);
+/* The scene cannot be run again, whatever the method. */
+static bool is_lost(const hk_error *e) {
+  return e->status == HK_IO || e->status == HK_SCRIPT || e->status == HK_BAD_PARAM;
 }
 
-static bool attempt_implicit(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
-                             const hk_reference *want, const struct strictness *strict, hk_comparison_run *found) {
-  wish w = {.implicit = true, .constraints = whole->plugins.kind[HK_CONSTRAINT].count > 0};
-  return attempt(loader, first, whole, want, strict, w, found);
+/* An explicit method: where a tolerance is sharp, one that reaches rounding, of smooth scenes; another one if that
+ * takes too many steps, or is not there. */
+static bool attempt_explicit(search *s) {
+  wish w = {.constraints = s->whole->plugins.kind[HK_CONSTRAINT].count > 0}, best = w;
+  best.rounding = true;
+  bool smooth = !w.constraints && !s->whole->dynamics.system.contact;
+  if (smooth && tolerance(s, s->strict) < sharp && attempt(s, best)) return true;
+  return !is_lost(&s->error) && attempt(s, w);
+}
+
+static bool attempt_implicit(search *s) {
+  return attempt(s, (wish){.implicit = true, .constraints = s->whole->plugins.kind[HK_CONSTRAINT].count > 0});
 }
 
 /* Steps that an explicit method could take are not too short for another one. */
@@ -160,13 +165,14 @@ static bool emits_before_steps(const hk_run *whole) {
 
 bool hk_reference_take(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
                        const hk_reference *want, hk_comparison_run *found) {
+  search s = {loader, first, whole, want, strictnesses, found, {0}};
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
   if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
-    double tol = tolerance(whole, want, &strictnesses[k]);
-    if (k > 0 && !(tol > tolerance(whole, want, &strictnesses[k - 1]))) break; /* the same run */
-    if (attempt_explicit(loader, first, whole, want, &strictnesses[k], found)) return true;
-    if (!is_explicit(whole) && attempt_implicit(loader, first, whole, want, &strictnesses[k], found)) return true;
+    s.strict = &strictnesses[k];
+    if (k > 0 && !(tolerance(&s, s.strict) > tolerance(&s, s.strict - 1))) break; /* the same run */
+    if (attempt_explicit(&s)) return true;
+    if (!is_explicit(whole) && attempt_implicit(&s)) return true;
   }
   return false;
 }

@@ -173,6 +173,7 @@ typedef struct hk_comparison_run {
   double reserve;      /* of a reference: what it leaves of the accuracy, for its own error */
   double perturbation; /* of a reference: of the start, relative to the extent */
   hk_trajectory trajectory;
+  double reach;           /* m, see hk_record */
   double energy_defect;   /* J, energy that is missing or too much, see hk_energy_defect */
   double kinetic;         /* J, the largest */
   double step;            /* longest step relative to that of the first run */
