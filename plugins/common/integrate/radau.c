@@ -104,31 +104,30 @@ void hk_radau_divide(const double *B, size_t length, double *G) {
   }
 }
 
+/* Integrals of the polynomial over the whole step, in units of h and h^2. Numbers are divided, as weights like 1/3 have
+ * a rounding error that is the same in every step. */
+static double integral(const rows *r, size_t e) {
+  double high = r->row[7][e] / 8 + r->row[6][e] / 7 + r->row[5][e] / 6 + r->row[4][e] / 5;
+  return r->row[0][e] + (r->row[1][e] / 2 + (r->row[2][e] / 3 + (r->row[3][e] / 4 + high)));
+}
+
+static double second_integral(const rows *r, size_t e) {
+  double high = r->row[7][e] / 72 + r->row[6][e] / 56 + r->row[5][e] / 42 + r->row[4][e] / 30;
+  return r->row[0][e] / 2 + (r->row[1][e] / 6 + (r->row[2][e] / 12 + (r->row[3][e] / 20 + high)));
+}
+
 /* x += d with what rounding takes kept in `lost`. */
-static void add_compensated(double *restrict x, double *restrict lost, const double *restrict d, size_t count) {
-  for (size_t e = 0; e < count; e++) {
-    double y = d[e] - lost[e], t = x[e] + y;
-    lost[e] = (t - x[e]) - y;
-    x[e] = t;
-  }
+static void add_compensated(double *x, double *lost, double d) {
+  double y = d - *lost, t = *x + y;
+  *lost = (t - *x) - y;
+  *x = t;
 }
 
 void hk_radau_finish(const double *B, const hk_system *sys, double h, double *X, double *lost) {
-  enum { CHUNK = 64 };
-  static const double zero[CHUNK];
   size_t m = 3 * sys->n, length = sys->size - m;
-  double once[ROWS], twice[ROWS], d[CHUNK];
-  weigh(h, 1, once, twice);
-  for (size_t e = 0; e < m; e += CHUNK) {
-    size_t count = m - e < CHUNK ? m - e : CHUNK;
-    sum_rows(d, zero, X + m + e, h, twice, B, length, e, count);
-    add_compensated(X + e, lost + e, d, count);
-  }
-  for (size_t e = 0; e < length; e += CHUNK) {
-    size_t count = length - e < CHUNK ? length - e : CHUNK;
-    sum_rows(d, zero, NULL, 0, once, B, length, e, count);
-    add_compensated(X + m + e, lost + m + e, d, count);
-  }
+  const rows r = rows_of(B, length);
+  for (size_t e = 0; e < m; e++) add_compensated(X + e, lost + e, h * (X[m + e] + h * second_integral(&r, e)));
+  for (size_t e = 0; e < length; e++) add_compensated(X + m + e, lost + m + e, h * integral(&r, e));
 }
 
 void hk_radau_foretell(const double *last, size_t length, double q, double *B) {
