@@ -1,6 +1,6 @@
-/* See radau.h. Newton's form of the polynomial is B_0 + s (G_1 + (s - h_1)(G_2 + (s - h_2)(...))); the factors that
- * take it to powers of s and back are computed from the nodes, in as many operations as a table of them would have
- * entries. Rows follow each other in memory, and every loop goes along them. */
+/* See radau.h. Newton's form of the polynomial is B_0 + s (G_1 + (s - h_1)(G_2 + (s - h_2)(...))). Rows follow each
+ * other in memory, and every loop goes along them. The tables are those of the nodes in 20 digits; the tests check them
+ * by what they integrate. */
 #include "plugins/common/integrate/radau.h"
 
 enum { ROWS = HK_RADAU_ROWS };
@@ -39,10 +39,10 @@ static void sum_rows(double *restrict to, const double *restrict from, const dou
 
 /* Weights of B_j in v and x at s of a step h: h s^(j+1)/(j+1) and h^2 s^(j+2)/((j+1)(j+2)). */
 static void weigh(double h, double s, double once[ROWS], double twice[ROWS]) {
-  double power = h * s;
-  for (int j = 0; j < ROWS; j++, power *= s) {
-    once[j] = power / (j + 1);
-    twice[j] = h * s * power / ((j + 1) * (j + 2));
+  double reach = h * s;
+  for (int j = 0; j < ROWS; j++, reach *= s) {
+    once[j] = reach / (j + 1);
+    twice[j] = h * s * reach / ((j + 1) * (j + 2));
   }
 }
 
@@ -54,19 +54,21 @@ void hk_radau_place(const double *B, const hk_system *sys, double h, int k, cons
   sum_rows(to + m, X + m, NULL, 0, once, B, length, 0, length); /* velocities, channels and work */
 }
 
-/* Coefficients of s (s - h_1) ... (s - h_(k-1)): of s^(j+1) in c[j], j < k. */
-static void expand(int k, double c[ROWS]) {
-  c[0] = 1;
-  for (int i = 1; i < k; i++) {
-    c[i] = c[i - 1];
-    for (int j = i - 1; j > 0; j--) c[j] = c[j - 1] - hk_radau_node[i] * c[j];
-    c[0] = -hk_radau_node[i] * c[0];
-  }
-}
+/* s (s - h_1) ... (s - h_(k-1)) in powers of s: power[k][j] belongs to s^(j+1), j < k. */
+static const double power[ROWS][ROWS] = {
+    {0},
+    {1.0},
+    {-0.056262560536922146466, 1.0},
+    {0.010140802830063629986, -0.23650325227381451145, 1.0},
+    {-0.0035758977292516175949, 0.093537695259462065896, -0.58912796938698414883, 1.0},
+    {0.0019565654099472210769, -0.054755386889068686441, 0.41588120008230686169, -1.1362815957175395318, 1.0},
+    {-0.0014365302363708915424, 0.042158527721268707707, -0.36009959650205681229, 1.2501507118406910259,
+     -1.8704917729329500634, 1.0},
+    {0.0012717903090268677493, -0.03876035791590677037, 0.36096224345284598323, -1.4668842084004269644,
+     2.9061362593084293014, -2.7558127197720458314, 1.0}};
 
 void hk_radau_refine(double *B, double *G, size_t length, int k, const double *slope) {
-  double c[ROWS], *restrict g = G + (size_t)(k - 1) * length, *restrict top = B + (size_t)k * length;
-  expand(k, c);
+  double *restrict g = G + (size_t)(k - 1) * length, *restrict top = B + (size_t)k * length;
   for (size_t begin = 0; begin < length; begin += 64) { /* differences of a chunk stay in registers and cache */
     double change[64];
     size_t count = length - begin < 64 ? length - begin : 64;
@@ -84,22 +86,20 @@ void hk_radau_refine(double *B, double *G, size_t length, int k, const double *s
     }
     for (int j = 0; j + 1 < k; j++) {
       double *row = B + (size_t)(j + 1) * length + begin;
-      for (size_t e = 0; e < count; e++) row[e] += c[j] * change[e];
+      for (size_t e = 0; e < count; e++) row[e] += power[k][j] * change[e];
     }
   }
 }
 
 /* From the highest power down, G_k is what is left of B_k when the products above are taken out. */
 void hk_radau_divide(const double *B, size_t length, double *G) {
-  double c[ROWS + 1][ROWS];
-  for (int k = 1; k < ROWS; k++) expand(k, c[k]);
   for (int k = ROWS - 1; k > 0; k--) {
     double *restrict g = G + (size_t)(k - 1) * length;
     const double *restrict b = B + (size_t)k * length;
     for (size_t e = 0; e < length; e++) g[e] = b[e];
     for (int j = k + 1; j < ROWS; j++) {
       const double *above = G + (size_t)(j - 1) * length;
-      for (size_t e = 0; e < length; e++) g[e] -= c[j][k - 1] * above[e];
+      for (size_t e = 0; e < length; e++) g[e] -= power[j][k - 1] * above[e];
     }
   }
 }
@@ -131,15 +131,15 @@ void hk_radau_finish(const double *B, const hk_system *sys, double h, double *X,
 }
 
 void hk_radau_foretell(const double *last, size_t length, double q, double *B) {
-  double power = 1, binomial[ROWS] = {1, 1, 1, 1, 1, 1, 1, 1}; /* of k over j, for k = 0 .. 7 */
+  double ratio = 1, binomial[ROWS] = {1, 1, 1, 1, 1, 1, 1, 1}; /* of k over j, for k = 0 .. 7 */
   for (int j = 1; j < ROWS; j++) {
     double *restrict b = B + (size_t)j * length;
-    power *= q;
+    ratio *= q;
     for (int k = ROWS - 1; k >= j; k--) binomial[k] = binomial[k] * (k - j + 1) / j;
     for (size_t e = 0; e < length; e++) b[e] = 0;
     for (int k = ROWS - 1; k >= j; k--) {
       const double *from = last + (size_t)(k - 1) * length;
-      double w = power * binomial[k];
+      double w = ratio * binomial[k];
       for (size_t e = 0; e < length; e++) b[e] += w * from[e];
     }
   }
