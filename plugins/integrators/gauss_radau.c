@@ -147,15 +147,14 @@ typedef struct ratios {
   double here[2], ahead[2]; /* |B_6| and |B_7| relative to the slopes, largest; of this step, and of the next one */
 } ratios;
 
-/* Values and derivatives of the polynomial at s = 0 and s = 1, in units of the step: row[0] .. row[2] of low
- * derivatives sum up to the scale, and the two highest are compared with it. */
 static double norm(const double *p, size_t width) {
   double sum = 0;
   for (size_t c = 0; c < width; c++) sum += p[c] * p[c];
   return sqrt(sum);
 }
 
-/* `width` numbers from e on; floor: a scale below which changes are rounding. */
+/* Of `width` numbers from e on. The scale is what the slope and its first two derivatives are, in units of the step, at
+ * its begin and, for the next one, at its end; `floor`: a scale below which changes are rounding. */
 static void compare(const double *B, size_t length, size_t e, size_t width, double floor, ratios *r) {
   double low[3][3] = {{0}}, shifted[3];
   for (size_t c = 0; c < width; c++) {
