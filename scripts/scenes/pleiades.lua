@@ -5,7 +5,7 @@ local T = param("duration", 3, "s", { min = 0.01 })
 local x, y = { 3, 3, -1, -3, 2, -2, 2 }, { 3, -3, 2, 0, 0, -4, 4 }
 local vx, vy = { 0, 0, 0, 0, 0, 1.75, -1.5 }, { 0, 0, 0, -1.25, 1, 0, 0 }
 
-local scene = hooke.scene { duration = T, fps = 60, integrator = "dopri5", tol = 1e-11 }
+local scene = hooke.scene { duration = T, fps = 60, integrator = "dop853", tol = 1e-11 }
 
 local ids = {}
 for i = 1, 7 do

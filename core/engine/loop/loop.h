@@ -17,6 +17,7 @@ typedef struct hk_record {
   double step_taken, step_error; /* s, of the last step; largest estimate since a frame set it to 0 */
   double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
   double kinetic_sum;            /* J, over the frames */
+  double reach;                  /* m, RMS: the largest distance from the start that was seen between frames */
   double correction_work;        /* J, energy that correctors reported to have given */
   double dissipated;             /* J, that internal variables of forces took */
   bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
@@ -84,6 +85,7 @@ typedef struct hk_loop_hooks {
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
   void (*now_and_then)(void *context);    /* every 64 steps */
+  void (*passing)(void *context);         /* after every HK_TILE_STEPS steps */
 } hk_loop_hooks;
 
 typedef struct hk_loop hk_loop;

@@ -291,6 +291,7 @@ hk_status hk_step_accept(hk_loop *loop, double h, double error) {
   if (status == HK_OK && loop->record->steps % HK_TILE_STEPS == 0) {
     status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
     loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
+    if (loop->hooks.passing) loop->hooks.passing(loop->hooks.context);
   }
   return status;
 }

@@ -113,6 +113,7 @@ hk_status hk_figures_exact(const hk_scene *scene, hk_loop *loop, double *error, 
 
 double hk_figures_exact_motion(const hk_scene *scene, hk_loop *loop, double end) {
   enum { MOMENTS = 64 };
+  static const double golden = 0.381966011250105; /* not all of them are whole periods of what comes back */
   const hk_function *exact = &scene->exact;
   size_t room = 3 * loop->state->model.n, first = 0, got = 0;
   double *known = exact->call && room ? malloc(2 * room * sizeof *known) : NULL, most = 0, start = 0;
@@ -120,7 +121,7 @@ double hk_figures_exact_motion(const hk_scene *scene, hk_loop *loop, double end)
   if (!known) return NAN;
   bool evaluated = exact->call(exact, NULL, &start, 1, known, room, &first, &error) == HK_OK && first >= 3;
   for (int m = 1; m <= MOMENTS && evaluated; m++) {
-    double t = end * m / MOMENTS, sum = 0;
+    double t = m < MOMENTS ? end * (m - golden) / MOMENTS : end, sum = 0;
     error = (hk_error){0};
     if (exact->call(exact, NULL, &t, 1, known + room, room, &got, &error) != HK_OK || got != first)
       continue; /* it is the end that it has to be known at */

@@ -64,6 +64,8 @@ double hk_trajectory_time(const hk_trajectory *,
                           double part); /* s, after this part of the moments, of which there are some */
 /* m, how far the particles get from their start, RMS, at most. */
 double hk_trajectory_motion(const hk_trajectory *);
+/* m, RMS: the distance of the particles from their first moment; 0 where others are there. */
+double hk_trajectory_reach(const hk_trajectory *, const hk_state *);
 /* x and v (m, m/s) of a particle at t, with v linear between the middles of two moments, about as x is. False: it was
  * not there at the moments around t. */
 bool hk_trajectory_place(const hk_trajectory *, uint32_t id, double t, double x[3], double v[3]);
@@ -355,6 +357,8 @@ void hk_findings_describe(const hk_loop *, const hk_judgement *, hk_summary *); 
 void hk_checked_describe(const hk_loop *, const hk_judgement *, hk_summary *);  /* s->checked, of a run that is ok */
 /* s->remedy, where the run is inaccurate for want of a shorter step or a smaller tolerance. */
 void hk_remedy_describe(hk_loop *, const hk_judgement *, hk_summary *);
+/* The smallest tolerance to which the errors of an adaptive method's runs fall (facet adaptive). */
+double hk_finest_tolerance(const hk_integrator *method);
 /* stiffest.c: the label of the force that swings fastest at the present state, and 1/s; NULL: none swings. */
 const char *hk_stiffest_force(hk_loop *, double *w);
 

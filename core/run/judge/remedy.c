@@ -1,6 +1,7 @@
-/* Which step or tolerance would do, where a run is inaccurate: by the order of the method, from how far each figure is
- * above what it may be. It aims at half of that. What is far off is not extrapolated: the error does not follow its
- * order there. */
+/* Which step or tolerance would do where a run is inaccurate, or which method may: by the order of the method, from how
+ * far each figure is above what it may be. It aims at half of that. What is far off is not extrapolated: the error does
+ * not follow its order there. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/text/text.h"
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/judge/judge.h"
@@ -9,7 +10,7 @@
 
 static const double aim = 0.5, aim_of_tolerance = 0.1 /* errors follow it loosely, and it costs little */,
                     farthest = 1e-3 /* of the step */, far_enough = 0.1, of_limit = 0.9,
-                    least_tolerance = 1e-13; /* rounding is 2e-16 a step */
+                    usual_finest = 1e-13; /* rounding is 2e-16 a step */
 
 /* The worst finding that a step or a tolerance cures. */
 typedef struct need {
@@ -55,18 +56,54 @@ static void describe_step(const hk_loop *loop, const need *n, hk_summary *s) {
   add(s, "--dt %.1g (%.2g steps) would do, by the order of %s", dt, ceil(s->end / dt), c->integrator->plugin->name);
 }
 
+double hk_finest_tolerance(const hk_integrator *method) {
+  double stated = hk_integrator_tables_of(method)->adaptive.finest;
+  return stated > 0 ? stated : usual_finest;
+}
+
+static bool is_finer(const hk_plugin *plugin, const void *than) {
+  const hk_integrator *m = plugin->integrator;
+  bool plain = !(m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN));
+  return plain && m->flags & HK_ADAPTIVE && hk_finest_tolerance(m) < hk_finest_tolerance(than);
+}
+
+/* Where no tolerance of the method would do. Another method need not do either, and is not tried here. */
+static void describe_method(const hk_loop *loop, const hk_judgement *j, hk_summary *s) {
+  const hk_plugin *finer;
+  hk_error none = {0};
+  const char *name = loop->integrator->plugin->name;
+  double finest = hk_finest_tolerance(loop->method);
+  bool found = j->scene->plugin[HK_CONSTRAINT].count == 0 &&
+               hk_registry_prefer(j->scene->registry, HK_INTEGRATOR, is_finer, loop->method, &finer, &none) == HK_OK;
+  if (found)
+    add(s, "no --tol would do, as errors of %s fall to tolerances of %.1g: try --integrator %s", name, finest,
+        finer->name);
+  else
+    add(s, "no --tol would do, as errors of %s fall to tolerances of %.1g: what is left are rounding errors", name,
+        finest);
+}
+
 /* What a step may be off by is the tolerance, and h^(p + 1); their sum goes with h^p. */
-static void describe_tolerance(const hk_loop *loop, const need *n, hk_summary *s) {
+static void describe_tolerance(const hk_loop *loop, const hk_judgement *j, const need *n, hk_summary *s) {
   double tol = loop->dynamics->system.tol, power = 1 + 1.0 / loop->method->order;
-  add(s, "--tol %.1g would do, if the error follows the tolerance, which is %.1g",
-      rounded(fmax(tol * pow(aim_of_tolerance / n->excess, power), least_tolerance)), tol);
+  double wanted = tol * pow(aim_of_tolerance / n->excess, power), finest = hk_finest_tolerance(loop->method);
+  if (wanted < finest && !(finest < aim_of_tolerance * tol))
+    describe_method(loop, j, s);
+  else if (wanted < finest)
+    add(s, "try --tol %.1g, the smallest that %s makes use of: the error is too large to tell which would do", finest,
+        loop->integrator->plugin->name);
+  else
+    add(s, "--tol %.1g would do, if the error follows the tolerance, which is %.1g", rounded(wanted), tol);
 }
 
 void hk_remedy_describe(hk_loop *loop, const hk_judgement *j, hk_summary *s) {
   double w;
   const need n = worst_of(&j->opinion);
   if (!(n.excess > 1) || s->steps == 0) return;
-  (loop->method->flags & HK_ADAPTIVE ? describe_tolerance : describe_step)(loop, &n, s);
+  if (loop->method->flags & HK_ADAPTIVE)
+    describe_tolerance(loop, j, &n, s);
+  else
+    describe_step(loop, &n, s);
   const char *label = hk_stiffest_force(loop, &w);
   if (label) add(s, "the fastest swings, of %.2g s, are those of '%s'", 2 * acos(-1) / w, label);
 }

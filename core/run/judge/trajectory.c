@@ -222,6 +222,20 @@ static double change(const hk_trajectory *a, size_t offset, size_t width) {
 
 double hk_trajectory_motion(const hk_trajectory *a) { return change(a, 1, 3); }
 
+double hk_trajectory_reach(const hk_trajectory *a, const hk_state *s) {
+  const struct hk_moment *m = a->moment;
+  size_t n = s->model.n;
+  double sum = 0;
+  if (a->moments == 0 || m->n != n || n == 0) return 0;
+  const double *id = a->value + m->begin, *from = id + n;
+  for (size_t k = 0; k < n; k++) {
+    size_t i = hk_model_nth(&s->model, k);
+    if (s->id[i] != id[k]) return 0;
+    for (size_t c = 0; c < 3; c++) sum += (s->X[3 * i + c] - from[3 * k + c]) * (s->X[3 * i + c] - from[3 * k + c]);
+  }
+  return isnan(sum) ? INFINITY : sqrt(sum / (double)n);
+}
+
 double hk_trajectory_channel_change(const hk_trajectory *a, const hk_scene *scene, size_t channel) {
   size_t offset = 4;
   if (!has_channels(a, scene)) return NAN;

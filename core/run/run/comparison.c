@@ -35,12 +35,16 @@ static double relative(const hk_comparison *c, const hk_distance *d) {
 
 /* ---- what is asked ---- */
 
+static double own_motion(const hk_comparison *c) {
+  return fmax(hk_trajectory_motion(&c->whole->judgement.trajectory), c->whole->record.reach);
+}
+
 /* Where nothing is asked, an error of a tenth of the motion is visible. The motion is the
  * smaller one of the two runs: one that explodes is not its own measure. */
-static void measure_by(hk_comparison *c, const hk_trajectory *other) {
+static void measure_by(hk_comparison *c, const hk_trajectory *other, double reach) {
   const hk_scene *scene = c->whole->scene;
   const hk_trajectory *own = &c->whole->judgement.trajectory;
-  double motion = fmin(hk_trajectory_motion(own), hk_trajectory_motion(other));
+  double motion = fmin(own_motion(c), fmax(hk_trajectory_motion(other), reach));
   if (c->summary->accuracies == 0)
     c->accuracy = hk_limit.visible * motion + hk_limit.rounding * hk_state_extent(&c->whole->state);
   for (size_t k = 0; k < scene->particles.channels; k++) {
@@ -56,7 +60,7 @@ static hk_status set_accuracies(hk_comparison *c, hk_error *error) {
   c->channel = calloc(scene->particles.channels + 1, sizeof *c->channel);
   if (!c->channel) return hk_error_set(error, HK_NO_MEMORY, "no memory for the accuracies of the channels");
   for (size_t k = 0; k < scene->particles.channels; k++) c->channel[k] = scene->particles.channel[k].accuracy;
-  measure_by(c, &c->whole->judgement.trajectory);
+  measure_by(c, &c->whole->judgement.trajectory, c->whole->record.reach);
   return HK_OK;
 }
 
@@ -79,7 +83,7 @@ void hk_comparison_close(hk_comparison *c) {
 /* The accuracy relative to the scale of what it is for, the strictest. */
 static double strictest(const hk_comparison *c) {
   const hk_state *s = &c->whole->state;
-  double scale = hk_state_extent(s) + hk_trajectory_motion(&c->whole->judgement.trajectory);
+  double scale = hk_state_extent(s) + own_motion(c);
   double least = c->accuracy > 0 ? c->accuracy / scale : INFINITY;
   for (size_t k = 0; k < c->whole->scene->particles.channels; k++) {
     double most = 0;
@@ -122,21 +126,21 @@ hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
   hk_run_options o = refined(c, c->sampling.varies ? pulses : 1);
   hk_status status = hk_comparison_run_take(c->loader, &o, c->whole, c->whole->state.t, &c->half, error);
   c->compared = status == HK_OK;
-  if (c->compared) measure_by(c, &c->half.trajectory);
+  if (c->compared) measure_by(c, &c->half.trajectory, c->half.reach);
   return status;
 }
 
 /* A reference that has passed by a force of short range is none. */
 static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
-  measure_by(c, &reference->trajectory);
+  measure_by(c, &reference->trajectory, reference->reach);
   hk_distance d = distance(c, NULL, reference, INFINITY);
   if (isnan(d.position) || reference->missed > c->accuracy) return;
   c->has_reference = true;
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
-  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
-           reference->method, reference->tol);
+  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
+           reference->method, reference->tol, reference->perturbation);
 }
 
 /* Functions that vibrate limit the steps. */

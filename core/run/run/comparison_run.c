@@ -94,6 +94,7 @@ hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_opt
     note_spectrum(found, &again->step->spectrum);
     found->energy_defect = hk_energy_defect(&summary);
     found->kinetic = summary.kinetic_max;
+    found->reach = again->record.reach;
     found->step = summary.dt_max / whole->record.dt_max;
     found->missed = hk_missed_encounters_error(&again->loop);
     found->tol = again->dynamics.system.tol;

@@ -70,6 +70,12 @@ static void show_progress(void *context) {
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
 }
 
+/* What comes back to its start at every frame moves between them. */
+static void note_reach(void *context) {
+  hk_run *run = context;
+  run->record.reach = fmax(run->record.reach, hk_trajectory_reach(&run->judgement.trajectory, &run->state));
+}
+
 /* s, 0: no limit. A dt that is asked for is the longest step of an adaptive method, too; that of a scene, which is
  * meant for its own method, is where one begins. */
 static double longest_step(const hk_run *run) {
@@ -96,6 +102,7 @@ static void connect_parts(hk_run *run) {
   loop->schedule = schedule_of(run);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .framed = hk_run_framed};
   loop->hooks.now_and_then = show_progress;
+  if (run->judgement.keeps_trajectory) loop->hooks.passing = note_reach;
   bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
   if (run->judgement.keeps_trajectory && !repeats && hk_missed_encounters_asks(loop))
     loop->hooks.moved = note_encounters;

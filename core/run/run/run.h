@@ -168,10 +168,12 @@ typedef struct hk_scene_loader { /* functions that open the scene of a run a sec
 } hk_scene_loader;
 
 typedef struct hk_comparison_run {
-  const char *method; /* its integrator */
-  double tol;         /* of an adaptive method */
-  double reserve;     /* of a reference: what it leaves of the accuracy, for its own error */
+  const char *method;  /* its integrator */
+  double tol;          /* of an adaptive method */
+  double reserve;      /* of a reference: what it leaves of the accuracy, for its own error */
+  double perturbation; /* of a reference: of the start, relative to the extent */
   hk_trajectory trajectory;
+  double reach;           /* m, see hk_record */
   double energy_defect;   /* J, energy that is missing or too much, see hk_energy_defect */
   double kinetic;         /* J, the largest */
   double step;            /* longest step relative to that of the first run */

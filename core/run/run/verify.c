@@ -3,8 +3,8 @@
  * 1. With half the step: 2n + 1 steps replace the n steps of a frame, so that a periodic load cannot be in phase with
  *    the steps of both runs; an adaptive method gets a tenth of the tolerance and at most half its longest step. The
  *    start is perturbed by 1e-14 of the extent, which shows motion that no method can predict.
- * 2. With an independent method that controls its error (reference.c), where that costs little. Its distance is the
- *    error, whatever the two runs of one method have in common.
+ * 2. With an independent method that controls its error (reference.c), where that costs little and one is there that is
+ *    better than the run. Its distance is the error, whatever the two runs of one method have in common.
  * 3. Without a reference, the distance D to half the step bounds the error by 2 D from order 1 on. Where D is below the
  *    accuracy and 2 D is not, a quarter of the step shows the order in the first part of the run, and the error is
  *    D / (1 - ratio) of the two distances there (Richardson). Where figures of the run contradict a small D, the

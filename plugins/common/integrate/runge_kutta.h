@@ -6,7 +6,7 @@
 
 #include "core/plugin.h"
 
-enum { HK_RK_STAGES = 7 };
+enum { HK_RK_STAGES = 13 };
 
 typedef struct hk_tableau {
   int stages;

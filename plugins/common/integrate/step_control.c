@@ -136,3 +136,26 @@ double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const d
     worst = larger(worst, hk_channel_error(&s->model->channel[k], s->n, s->X, X, E));
   return worst;
 }
+
+static void euler(const hk_system *s, double h, const double *a, double *X) {
+  size_t v = 3 * s->n;
+  for (size_t e = 0; e < v; e++) X[e] = s->X[e] + h * s->X[v + e];
+  for (size_t e = v; e < s->size; e++) X[e] = s->X[e] + h * a[e - v];
+}
+
+/* The rate of accelerations is that of f in the Euler step, so that a start from rest has one, too. */
+hk_status hk_scales_first(hk_scales *c, hk_system *s, double span, const double *a, double *X, double *next,
+                          double *rate, double *small) {
+  size_t v = 3 * s->n;
+  double V;
+  *rate = fmax(hk_scales_rate(c, hk_scales_extent(c, s, s->X), &V), hk_channel_rate(s, s->X + 2 * v, a + v));
+  *small = *rate > 0 ? 0.01 / *rate : 1e-3 * span;
+  if (!(*small < span)) *small = span;
+  euler(s, *small, a, X);
+  hk_status status = s->accelerations(s, s->t + *small, X, X + v, X + 2 * v, next, next + v);
+  if (status != HK_OK) return status;
+  V = fmax(V, *small * hk_rms_free(s, next)); /* for a start from rest */
+  for (size_t e = 0; e < v; e++) next[e] -= a[e];
+  *rate = fmax(*rate, sqrt(hk_ratio(hk_rms_free(s, next), V * *small)));
+  return HK_OK;
+}

@@ -43,4 +43,10 @@ double hk_ratio(double value, double scale);                        /* value/sca
  * where neither is known (at rest). *speed: the speed used for it, at least sqrt(extent acceleration). */
 double hk_scales_rate(const hk_scales *, double extent, double *speed);
 
+/* 1/s, the largest rate at which the system changes, from the slope a at X (accelerations, then rates of y) and that
+ * after an Euler step of *small s; 0: nothing changes. For the first step; span: to the next stop. X and next: scratch,
+ * a state and a slope. */
+hk_status hk_scales_first(hk_scales *, hk_system *s, double span, const double *a, double *X, double *next,
+                          double *rate, double *small);
+
 #endif

@@ -4,7 +4,7 @@
 
 #include "plugins/common/integrate/runge_kutta.h"
 
-enum { HK_STOERMER_TERMS = 8, HK_STOERMER_START = HK_RK_STAGES }; /* at most; no fewer than extrapolation takes */
+enum { HK_STOERMER_TERMS = 8, HK_STOERMER_START = 7 }; /* at most; no fewer than extrapolation takes */
 
 /* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. Above
  * order 5 the first steps are extrapolated ones of order 8. */

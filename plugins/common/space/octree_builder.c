@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { GRAIN = 4096, DIGIT = 11, DIGITS = 1 << DIGIT, KEY_BITS = 3 * HK_OCTREE_DEPTH };
+enum { GRAIN = 4096, DIGIT = 11, DIGITS = 1 << DIGIT, KEY_BITS = 3 * HK_OCTREE_DEPTH, FEW = 48 };
 
 hk_status hk_octree_reserve(hk_octree_builder *b, const hk_host *host, size_t n) {
   if (b->room && n <= b->room) return HK_OK;
@@ -110,7 +110,26 @@ static void sort_by_digit(hk_octree_builder *b, size_t count, unsigned shift) {
   swap(b);
 }
 
+/* Of a few points, where the digits' counts would take longer: in the same order, as both keep that of equal keys. */
+static void sort_few(hk_octree_builder *b, size_t count) {
+  for (size_t k = 1; k < count; k++) {
+    uint64_t key = b->key[k];
+    uint32_t point = b->order[k];
+    size_t to = k;
+    for (; to > 0 && b->key[to - 1] > key; to--) {
+      b->key[to] = b->key[to - 1];
+      b->order[to] = b->order[to - 1];
+    }
+    b->key[to] = key;
+    b->order[to] = point;
+  }
+}
+
 static void sort(hk_octree_builder *b, size_t count) {
+  if (count <= FEW) {
+    sort_few(b, count);
+    return;
+  }
   for (unsigned shift = 0; shift < KEY_BITS && count > 1; shift += DIGIT) sort_by_digit(b, count, shift);
 }
 

@@ -66,6 +66,21 @@ static void what_is_far_off_is_not_extrapolated(void **state) {
   assert_non_null(strstr(r.out, "\"remedy\":\"try --dt 0.005: the error is too large to tell which step would do"));
 }
 
+/* At its smallest tolerance a method is not told to take it; another one that reaches rounding may do, and does. */
+static void a_tolerance_that_a_run_has_is_no_remedy(void **state) {
+  (void)state;
+  run("--integrator dopri5 --tol 1e-13 --accuracy 3e-14");
+  assert_int_equal(r.code, 5);
+  assert_null(strstr(r.out, "--tol 1e-13 would do"));
+  assert_non_null(strstr(r.out, "\"remedy\":\"no --tol would do, as errors of dopri5 fall to tolerances of 1e-13: try "
+                                "--integrator gauss_radau"));
+  run("--integrator gauss_radau --accuracy 3e-14");
+  assert_int_equal(r.code, 0);
+  run("--integrator dopri5 --tol 1e-10 --accuracy 3e-14");
+  assert_int_equal(r.code, 5);
+  assert_non_null(strstr(r.out, "\"remedy\":\"try --tol 1e-13, the smallest that dopri5 makes use of"));
+}
+
 static void a_run_that_is_ok_has_none(void **state) {
   (void)state;
   run("--integrator rk4 --dt 0.001 --accuracy 1e-3");
@@ -77,6 +92,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_it_says_would_do_does),
       cmocka_unit_test(what_is_far_off_is_not_extrapolated),
+      cmocka_unit_test(a_tolerance_that_a_run_has_is_no_remedy),
       cmocka_unit_test(a_run_that_is_ok_has_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

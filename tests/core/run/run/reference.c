@@ -1,4 +1,5 @@
-/* What a comparison that nobody asked for may cost: a share of the run, counted in evaluations. */
+/* What core/run/run/reference.c promises: a reference is better than the run or there is none, it costs a part of the
+ * run, and its distance is the run's error; motion that comes back at every frame is motion. */
 #include "tests/support/command.h"
 
 #include <math.h>
@@ -7,62 +8,114 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 static test_result r;
 
-/* Whether an independent method has estimated the error. */
-static bool estimated(const char *scene, const char *options) {
-  char arguments[512];
-  snprintf(arguments, sizeof arguments, "run %s --json --no-output --quiet %s", scene, options);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("exit %d: %s%s", r.code, r.out, r.err);
-  return strstr(r.out, "\"error_estimate\":") && !strstr(r.out, "\"error_estimate\":null");
+static void run(const char *scene, const char *arguments, int code) {
+  char all[512];
+  test_write("scene.lua", scene);
+  snprintf(all, sizeof all, "run scene.lua --json --quiet --no-output %s", arguments);
+  test_hooke(&r, NULL, all);
+  if (r.code != code) fail_msg("%s: exit %d instead of %d: %s%s", all, r.code, code, r.err, r.out);
 }
 
-static const char swing[] = "local scene = hooke.scene { duration = 2, fps = 60, dt = 1e-3 }\n"
-                            "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
-                            "scene:force('central', { strength = 30 })\nreturn scene\n";
+/* Three bodies that pass each other closely (Burrau 1913), until t = 70 s, when one has left: errors have grown by
+ * 1e13.
+ */
+static const char pythagorean[] =
+    "local scene = hooke.scene { duration = 70, fps = 1 / 70, integrator = 'dopri5' }\n"
+    "for i, at in ipairs { { 1, 3, 0 }, { -2, -1, 0 }, { 1, -1, 0 } } do\n"
+    "  scene:particle { position = at, mass = i + 2 }\n"
+    "end\n"
+    "scene:force('nbody', { G = 1 })\n"
+    "for i = 1, 3 do for c = 1, 2 do scene:measure('x' .. i .. c, function(s) return s:position(i)[c] end) end end\n"
+    "return scene\n";
 
-static void a_small_scene_is_compared_unless_that_is_switched_off(void **state) {
-  (void)state;
-  test_write("swing.lua", swing);
-  assert_true(estimated("swing.lua", ""));
-  assert_false(estimated("swing.lua", "--no-check"));
-  assert_true(estimated("swing.lua", "--no-check --accuracy 1e-2")); /* that was asked for */
+/* By Taylor's method of order 30 with 39 digits, whose energy is off by 1.4e-30. */
+static const double there[3][2] = {{6.933463599011887, 20.261804305951714},
+                                   {-2.0030060026059841, -6.8724634358245448},
+                                   {-2.5576733573223451, -6.6591118349113926}};
+
+static double true_error(void) {
+  double sum = 0;
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < 2; c++) {
+      char name[8];
+      snprintf(name, sizeof name, "x%d%d", i + 1, c + 1);
+      double off = test_json(r.out, name) - there[i][c];
+      sum += off * off;
+    }
+  return sqrt(sum / 3);
 }
 
-/* Implicit steps of hair, whose factors cost some ten evaluations by a solver for matrices of that kind. Counted as
- * those of a cloth they would be worth an explicit reference of thirty times the run's time. */
-static void a_reference_dearer_than_the_run_is_not_taken(void **state) {
+/* dopri5 is off by 41 and 1 m; a reference at a tolerance of 3e-10 was off by 5 m itself. What rounding does to the
+ * reference is some 0.1 m. */
+static void the_estimate_of_chaotic_motion_is_the_error(void **state) {
   (void)state;
-  assert_false(estimated(HK_ROOT "/scripts/scenes/hair.lua", "--until 0.3"));
+  const char *const tolerances[] = {"--tol 1e-9", "--tol 1e-10", "--tol 1e-12"};
+  for (size_t k = 0; k < 3; k++) {
+    run(pythagorean, tolerances[k], k ? 0 : 5);
+    double error = true_error(), said = test_json(r.out, "error_estimate");
+    print_message("%s: off by %.3g m, said %.3g m\n", tolerances[k], error, said);
+    if (!(fabs(said - error) < 0.3)) fail_msg("%s: off by %g m, and said is %g m", tolerances[k], error, said);
+  }
 }
 
-/* 1/w m/s2 for w = 34.77 ms from 0.2992 s: four midpoints of steps of 1/120 s are in it and ten of half the step, both
- * 33.3 ms of it, so that the two agree to rounding and are off by 0.028 m. The runs that it is compared with end steps
- * where the function jumps. */
-static void a_jump_that_two_runs_miss_alike_is_seen(void **state) {
+/* A circle of radius 1 m by a method with an error of 1e-12: the estimate says so, not what the reference is off by. */
+static void an_accurate_run_is_seen_to_be_accurate(void **state) {
   (void)state;
-  test_write("pulse.lua", "local w, at = 0.03477486283303936, 0.29921304706152846\n"
-                          "local scene = hooke.scene { duration = 1, fps = 60, dt = 1 / 120,\n"
-                          "  integrator = 'implicit_midpoint' }\n"
-                          "scene:particle { mass = 1 }\n"
-                          "scene:force('gravity', { g = function(t)\n"
-                          "  return t >= at and t <= at + w and 1 / w or 0, 0, 0 end })\nreturn scene\n");
-  test_hooke(&r, NULL, "run pulse.lua --accuracy 1e-3 --json --no-output --quiet");
-  assert_int_equal(r.code, 5);
-  double error = test_json(r.out, "error_estimate");
-  assert_true(error > 0.028 && error < 0.06); /* the error, and twice that */
+  const char circle[] = "local scene = hooke.scene { duration = 20, fps = 1 / 20, integrator = 'dopri5' }\n"
+                        "scene:particle { position = {1, 0, 0}, velocity = {0, 1, 0}, mass = 1 }\n"
+                        "scene:force('central', { strength = 1 })\n"
+                        "scene:exact(function(t) return math.cos(t), math.sin(t), 0 end)\nreturn scene\n";
+  const char *const tolerances[] = {"--tol 1e-7", "--tol 1e-10", "--tol 1e-13"};
+  for (size_t k = 0; k < 3; k++) {
+    run(circle, tolerances[k], 0);
+    double error = test_json(r.out, "exact_error"), said = test_json(r.out, "error_estimate");
+    print_message("%s: off by %.3g m, said %.3g m\n", tolerances[k], error, said);
+    if (!(fabs(said - error) < 0.2 * error)) fail_msg("%s: off by %g m, said %g m", tolerances[k], error, said);
+  }
+}
+
+/* Of a run at the smallest tolerance of the best method there is no better one: it is compared with half its step. */
+static void there_is_none_for_the_best_run(void **state) {
+  (void)state;
+  const char circle[] =
+      "local scene = hooke.scene { duration = 20, fps = 1, integrator = 'gauss_radau', tol = 1e-18 }\n"
+      "scene:particle { position = {1, 0, 0}, velocity = {0, 1, 0}, mass = 1 }\n"
+      "scene:force('central', { strength = 1 })\nreturn scene\n";
+  run(circle, "", 0);
+  assert_true(isnan(test_json(r.out, "error_estimate")));
+  assert_non_null(strstr(r.out, "accuracy not asked for"));
+  run(circle, "--accuracy 1e-9", 0);
+  assert_non_null(strstr(r.out, "compared with half the step"));
+}
+
+/* After ten turns it is where it was, with frames at whole turns only. */
+static void what_is_back_at_every_frame_has_moved(void **state) {
+  (void)state;
+  const char turns[] = "local turn = 2 * math.pi\n"
+                       "local scene = hooke.scene { duration = 10 * turn, fps = 1 / turn, integrator = 'dopri5' }\n"
+                       "scene:particle { position = {1, 0, 0}, velocity = {0, 1, 0}, mass = 1 }\n"
+                       "scene:force('central', { strength = 1 })\n%sreturn scene\n";
+  char scene[1024];
+  snprintf(scene, sizeof scene, turns, "");
+  run(scene, "--tol 1e-8", 0);
+  assert_true(test_json(r.out, "error_estimate") < 1e-5);
+  snprintf(scene, sizeof scene, turns, "scene:exact(function(t) return math.cos(t), math.sin(t), 0 end)\n");
+  run(scene, "--tol 1e-8 --until 402.1238596594935", 0); /* 64 turns */
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_small_scene_is_compared_unless_that_is_switched_off),
-      cmocka_unit_test(a_jump_that_two_runs_miss_alike_is_seen),
-      cmocka_unit_test(a_reference_dearer_than_the_run_is_not_taken),
+      cmocka_unit_test(the_estimate_of_chaotic_motion_is_the_error),
+      cmocka_unit_test(an_accurate_run_is_seen_to_be_accurate),
+      cmocka_unit_test(there_is_none_for_the_best_run),
+      cmocka_unit_test(what_is_back_at_every_frame_has_moved),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -129,6 +129,21 @@ static void points_at_one_place_and_nearly_so(void **state) {
   free(x);
 }
 
+/* Few are sorted in another way than many. */
+static void points_at_one_place_keep_their_order(void **state) {
+  (void)state;
+  static const double x[3 * 200];
+  for (size_t count = 1; count <= 200; count += count < 60 ? 1 : 70) {
+    hk_octree_builder b = {0};
+    hk_octree t;
+    uint32_t flawed;
+    assert_int_equal(hk_octree_reserve(&b, &host, count), HK_OK);
+    assert_true(hk_octree_build(&b, x, NULL, count, &t, &flawed));
+    for (size_t k = 0; k < count; k++) assert_int_equal(t.order[k], k);
+    hk_octree_release(&b);
+  }
+}
+
 static void a_place_that_is_not_finite_is_named(void **state) {
   (void)state;
   double *x = cloud(50, 1);
@@ -145,9 +160,8 @@ static void a_place_that_is_not_finite_is_named(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(clouds_of_any_number_and_size),
-      cmocka_unit_test(a_part_of_the_particles),
-      cmocka_unit_test(points_at_one_place_and_nearly_so),
+      cmocka_unit_test(clouds_of_any_number_and_size),       cmocka_unit_test(a_part_of_the_particles),
+      cmocka_unit_test(points_at_one_place_and_nearly_so),   cmocka_unit_test(points_at_one_place_keep_their_order),
       cmocka_unit_test(a_place_that_is_not_finite_is_named),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

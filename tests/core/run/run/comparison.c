@@ -1,0 +1,69 @@
+/* The runs that a run is compared with: what nobody asked for costs a share of the run, counted in evaluations, and all
+ * of them end steps where a function of time jumps. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+/* Whether an independent method has estimated the error. */
+static bool estimated(const char *scene, const char *options) {
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s --json --no-output --quiet %s", scene, options);
+  test_hooke(&r, NULL, arguments);
+  if (r.code != 0) fail_msg("exit %d: %s%s", r.code, r.out, r.err);
+  return strstr(r.out, "\"error_estimate\":") && !strstr(r.out, "\"error_estimate\":null");
+}
+
+static const char swing[] = "local scene = hooke.scene { duration = 2, fps = 60, dt = 1e-3 }\n"
+                            "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
+                            "scene:force('central', { strength = 30 })\nreturn scene\n";
+
+static void a_small_scene_is_compared_unless_that_is_switched_off(void **state) {
+  (void)state;
+  test_write("swing.lua", swing);
+  assert_true(estimated("swing.lua", ""));
+  assert_false(estimated("swing.lua", "--no-check"));
+  assert_true(estimated("swing.lua", "--no-check --accuracy 1e-2")); /* that was asked for */
+}
+
+/* Implicit steps of hair, whose factors cost some ten evaluations by a solver for matrices of that kind. Counted as
+ * those of a cloth they would be worth an explicit reference of thirty times the run's time. */
+static void a_reference_dearer_than_the_run_is_not_taken(void **state) {
+  (void)state;
+  assert_false(estimated(HK_ROOT "/scripts/scenes/hair.lua", "--until 0.3"));
+}
+
+/* 1/w m/s2 for w = 34.77 ms from 0.2992 s: four midpoints of steps of 1/120 s are in it and ten of half the step, both
+ * 33.3 ms of it, so that the two agree to rounding and are off by 0.028 m. The runs that it is compared with end steps
+ * where the function jumps. */
+static void a_jump_that_two_runs_miss_alike_is_seen(void **state) {
+  (void)state;
+  test_write("pulse.lua", "local w, at = 0.03477486283303936, 0.29921304706152846\n"
+                          "local scene = hooke.scene { duration = 1, fps = 60, dt = 1 / 120,\n"
+                          "  integrator = 'implicit_midpoint' }\n"
+                          "scene:particle { mass = 1 }\n"
+                          "scene:force('gravity', { g = function(t)\n"
+                          "  return t >= at and t <= at + w and 1 / w or 0, 0, 0 end })\nreturn scene\n");
+  test_hooke(&r, NULL, "run pulse.lua --accuracy 1e-3 --json --no-output --quiet");
+  assert_int_equal(r.code, 5);
+  double error = test_json(r.out, "error_estimate");
+  assert_true(error > 0.028 && error < 0.06); /* the error, and twice that */
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_small_scene_is_compared_unless_that_is_switched_off),
+      cmocka_unit_test(a_jump_that_two_runs_miss_alike_is_seen),
+      cmocka_unit_test(a_reference_dearer_than_the_run_is_not_taken),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
