@@ -65,6 +65,7 @@ static double overlap(const task *t, size_t i, size_t j, double r[3], double *di
   const double *x = t->view->x;
   double reach = hk_sphere_radius(&t->self->spheres, t->view, i) + hk_sphere_radius(&t->self->spheres, t->view, j);
   for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - x[3 * j + c];
+  if (t->view->model->box) hk_nearest_image(t->view->model->box, r);
   double r2 = hk_dot(r, r);
   if (!(r2 < reach * reach) || (t->view->is_active && !t->view->is_active[j])) return 0;
   *distance = sqrt(r2);
@@ -240,7 +241,7 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
   const soft_spheres *s = self;
   (void)x_to, (void)pattern_changed;
   hk_status status = hk_spheres_check(&s->spheres, from);
-  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
+  return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
                          : status;
 }
 
@@ -306,7 +307,7 @@ static hk_status topology(void *self, const hk_view *view) {
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_spheres_check(&s->spheres, view);
   if (status == HK_OK) status = hk_grain_history_adapt(&s->history, view, true);
-  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
+  return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
                          : status;
 }
 
@@ -335,6 +336,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
     size_t i = hk_model_find(view->model, touch[k].self), j = hk_model_find(view->model, touch[k].other);
     double R = hk_sphere_radius(&s->spheres, view, i), at[3], n[3];
     for (size_t c = 0; c < 3; c++) n[c] = view->x[3 * i + c] - view->x[3 * j + c];
+    if (view->model->box) hk_nearest_image(view->model->box, n);
     double length = sqrt(hk_dot(n, n));
     for (size_t c = 0; c < 3; c++) n[c] /= length, at[c] = view->x[3 * i + c] - R * n[c];
     points->add(points->context, at, n);
@@ -344,7 +346,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS | HK_CONSERVES_MOMENTUM |
-             HK_POWER | HK_STIFFENS,
+             HK_POWER | HK_STIFFENS | HK_PERIODIC,
     .add = add,
     .energy = energy,
     .rates = rates,
