@@ -49,11 +49,15 @@ static const hk_param params[] = {
     {0},
 };
 
-static double difference(const hk_view *view, size_t i, size_t j, double d[3]) {
-  const double *x = view->x;
+/* From i to j, in a periodic box to its nearest image; `box` NULL is known to the compiler where loops are open. */
+HK_INLINE double between(const double *x, const hk_periodic_box *box, size_t i, size_t j, double d[3]) {
   for (size_t c = 0; c < 3; c++) d[c] = x[3 * j + c] - x[3 * i + c];
-  if (view->model->box) hk_nearest_image(view->model->box, d);
+  if (box) hk_nearest_image(box, d);
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+static double difference(const hk_view *view, size_t i, size_t j, double d[3]) {
+  return between(view->x, view->model->box, i, j, d);
 }
 
 static bool attract(const lennard_jones *p, const hk_view *view, size_t i, size_t j) {
@@ -77,17 +81,16 @@ static hk_status begin(task *t, const lennard_jones *p, const hk_view *view) {
   return p->service->rows(p->service->self, view, view->x, &t->rows);
 }
 
-static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+HK_INLINE size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 
-static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
-  const task *t = context;
+HK_INLINE void add_rows(const task *t, const hk_periodic_box *box, size_t first, size_t end, size_t chunk) {
   double nearest2 = INFINITY;
   for (size_t k = first; k < end; k++) {
     size_t i = acting(t->view, k);
     double sum[3] = {0}, d[3];
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       size_t j = t->rows.other[e];
-      double r2 = difference(t->view, i, j, d);
+      double r2 = between(t->view->x, box, i, j, d);
       if (!(r2 < t->cut2) || !attract(t->self, t->view, i, j)) continue;
       nearest2 = fmin(nearest2, r2);
       double f = hk_lj_pair_at(&t->self->law, r2).push;
@@ -98,11 +101,21 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   t->self->too_near[chunk] = nearest2 < t->self->law.least2;
 }
 
+static void add_open(void *context, size_t first, size_t end, size_t chunk) {
+  add_rows(context, NULL, first, end, chunk);
+}
+
+static void add_periodic(void *context, size_t first, size_t end, size_t chunk) {
+  const task *t = context;
+  add_rows(t, t->view->model->box, first, end, chunk);
+}
+
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t;
   hk_status status = begin(&t, self, view);
   t.F = F;
-  if (status == HK_OK) view->host->parallel_for(view->host, view->acting, GRAIN, add_chunk, &t);
+  if (status == HK_OK)
+    view->host->parallel_for(view->host, view->acting, GRAIN, view->model->box ? add_periodic : add_open, &t);
   return status;
 }
 

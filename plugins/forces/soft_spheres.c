@@ -48,12 +48,13 @@ typedef struct task {
   soft_spheres *self;
   const hk_view *view;
   hk_neighbour_rows rows;
+  const hk_periodic_box *box; /* NULL: space is open */
   double *F;
   bool fresh; /* what is remembered is not of the step before */
 } task;
 
 static hk_status begin(task *t, soft_spheres *s, const hk_view *view) {
-  *t = (task){.self = s, .view = view};
+  *t = (task){.self = s, .view = view, .box = view->model->box};
   hk_grain_history_index(&s->history, view);
   return s->service->rows(s->service->self, view, view->x, &t->rows);
 }
@@ -65,7 +66,7 @@ static double overlap(const task *t, size_t i, size_t j, double r[3], double *di
   const double *x = t->view->x;
   double reach = hk_sphere_radius(&t->self->spheres, t->view, i) + hk_sphere_radius(&t->self->spheres, t->view, j);
   for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - x[3 * j + c];
-  if (t->view->model->box) hk_nearest_image(t->view->model->box, r);
+  if (t->box) hk_nearest_image(t->box, r);
   double r2 = hk_dot(r, r);
   if (!(r2 < reach * reach) || (t->view->is_active && !t->view->is_active[j])) return 0;
   *distance = sqrt(r2);
