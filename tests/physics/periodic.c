@@ -1,9 +1,11 @@
 /* Periodic boxes against what is known: the lattice sum of a crystal, a gas that does not know where the faces are, its
  * momentum and energy, contacts of grains across a face. */
+#include "tests/support/command.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -137,6 +139,28 @@ static void threads_leave_no_trace(void **state) {
   }
 }
 
+/* Rows are those of images found for positions of long ago, and particles have crossed faces since. */
+static void a_resumed_run_goes_on_bit_by_bit(void **state) {
+  (void)state;
+  static double X[6 * GAS];
+  test_engine e;
+  char path[512];
+  snprintf(path, sizeof path, "%s/gas.checkpoint", test_folder());
+  open_gas(&e, "leapfrog", 2, false, 1);
+  test_run(&e);
+  test_advance(&e, 0.31);
+  assert_int_equal(hk_run_save(e.run, path, &e.error), HK_OK);
+  test_advance(&e, 0.6);
+  memcpy(X, e.run->state.X, sizeof X);
+  test_engine_close(&e);
+  open_gas(&e, "leapfrog", 2, false, 2);
+  e.scene->start_file = strdup(path);
+  test_run(&e);
+  test_advance(&e, 0.6);
+  assert_memory_equal(X, e.run->state.X, sizeof X);
+  test_engine_close(&e);
+}
+
 /* Rounding of momenta of some hundred kg m/s; leapfrog's energy error is of order 2 in 2e-3 s, of 1e-5 parts. */
 static void momentum_and_energy_are_kept(void **state) {
   (void)state;
@@ -208,6 +232,7 @@ int main(void) {
       cmocka_unit_test(a_crystal_has_the_energy_of_its_lattice_sum),
       cmocka_unit_test(a_gas_does_not_know_where_the_faces_are),
       cmocka_unit_test(threads_leave_no_trace),
+      cmocka_unit_test(a_resumed_run_goes_on_bit_by_bit),
       cmocka_unit_test(momentum_and_energy_are_kept),
       cmocka_unit_test(force_energy_and_jacobian_belong_together),
       cmocka_unit_test(grains_touch_across_a_face_as_anywhere),

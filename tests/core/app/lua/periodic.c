@@ -58,7 +58,8 @@ static void one_that_is_too_short_is_refused_with_numbers(void **state) {
   (void)state;
   static const said short_ones[] = {
       {BALLS "scene:periodic { high = { 6, 2.4, 8 } }\n" PAIRS,
-       "the periodic box is 2.4 m long along y, less than twice the radius of 1.25 m of which a plugin asks for "
+       "box.lua:4: lennard_jones: neighbours: the periodic box is 2.4 m long along y, less than twice the radius of "
+       "1.25 m of which a plugin asks for "
        "neighbours, so that a particle would meet two images of another: make the box at least 2.5 m long, or the "
        "radius (cut-off) at most 1.2 m"},
       {BALLS "scene:periodic { high = { 6, 2, 8 }, axes = 'xy' }\nscene:force('soft_spheres', { radius = 0.6, "
