@@ -30,8 +30,8 @@ typedef struct hk_publication {
 
 /* A box that repeats along some axes: a particle at x is also at x + k (high - low) along each of them, for every whole
  * k. Positions are those of one of these images and are never wrapped: a particle that leaves through a face goes on,
- * so that its way, its work and its springs need nothing new. What acts between particles that are not joined takes the
- * nearest image of the other, hk_nearest_image. */
+ * so that its way, its work and what joins it to others need nothing new. What acts between particles that are not
+ * joined takes the nearest image of the other, hk_nearest_image. */
 typedef struct hk_periodic_box {
   double low[3], high[3]; /* m */
   bool repeats[3];

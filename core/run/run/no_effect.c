@@ -210,8 +210,9 @@ static void warn_without_images(hk_run *run) {
               spec->where, before_text(spec), spec->label);
     }
   if (!across)
-    hk_warn(&run->warnings, "the periodic box has no effect: no plugin of the scene acts across its faces, as "
-                            "lennard_jones and soft_spheres do");
+    hk_warn(&run->warnings,
+            "the periodic box has no effect: no plugin of the scene acts across its faces; leave it out, "
+            "or add a force between particles that are near each other");
 }
 
 /* ---- */

@@ -102,12 +102,21 @@ static void what_knows_no_box_is_named(void **state) {
   if (*r.err) fail_msg("of what needs no images nothing is to be said: %s", r.err);
 }
 
+static void the_catalogue_knows_what_knows_a_box(void **state) {
+  (void)state;
+  test_hooke(&r, NULL, "plugins soft_spheres");
+  assert_non_null(strstr(r.out, "right in a periodic box"));
+  test_hooke(&r, NULL, "plugins central");
+  assert_null(strstr(r.out, "periodic box"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_box_that_is_none_is_refused),
       cmocka_unit_test(one_that_is_too_short_is_refused_with_numbers),
       cmocka_unit_test(what_would_miss_images_is_refused),
       cmocka_unit_test(what_knows_no_box_is_named),
+      cmocka_unit_test(the_catalogue_knows_what_knows_a_box),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
