@@ -2,7 +2,7 @@
 -- law, T = T0/(1 + t/tau)^2, as long as it is even (Haff, J. Fluid Mech. 134, 1983), and gathers into clusters, where discs
 -- meet more often and cool faster (Goldhirsch and Zanetti, Phys. Rev. Lett. 70, 1993). restitution=1: it stays even, and warm.
 local n = param("n", 2500, "discs", { min = 16, max = 1e6 })
-local restitution = param("restitution", 0.6, "speed after a head-on collision, as a part of that before", { min = 0, max = 1 })
+local restitution = param("restitution", 0.7, "speed after a head-on collision, as a part of that before", { min = 0, max = 1 })
 local k = param("stiffness", 500, "of a disc, N/m: 1e4 are hard, as Haff's are; 500 overlap by R/10 at first", { min = 1 })
 local R, filled, m = 0.01, 0.25, 1e-3 -- m; part of the area; kg
 
@@ -27,6 +27,7 @@ for i = 0, n - 1 do
   local function place(at) return gap * (at + 0.5) + 0.1 * R * (math.random() - 0.5) end
   scene:particle { position = { place(i % across), place(i // across), 0 }, velocity = speed, mass = m }
 end
+scene:service("neighbours", { skin = 0.5 })
 scene:force("soft_spheres", { radius = R, stiffness = k, restitution = restitution, friction = 0 })
 
 -- By Enskog's rate of collisions of a disc, w = 2 sqrt(pi) x n d sqrt(T/m), each of which takes (1 - e^2)/2 of T in two
@@ -54,6 +55,6 @@ end
 scene:measure("temperature", temperature)
 scene:measure("haff", haff)
 local side = across * gap
-scene:output("frames", { radius = R, color = "speed", log = true, from = { side / 2, side / 2, 2.2 * side },
+scene:output("frames", { radius = R, color = "speed", log = true, from = { side / 2, side / 2, 2.4 * side },
   look_at = { side / 2, side / 2, 0 }, ground = false, every = 10 })
 return scene
