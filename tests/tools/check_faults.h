@@ -38,10 +38,11 @@ static inline bool says(const char *out, const char *sentence) {
   return false;
 }
 
-static inline void right_and_wrong(const char *name, size_t least) {
+/* `tried`: options with which the plugin without a fault is checked, "" for all of it. */
+static inline void right_with_and_wrong(const char *name, const char *tried, size_t least) {
   char path[512], line[512], options[256];
   size_t count = 0;
-  compile_and_check(name, "NONE", "");
+  compile_and_check(name, "NONE", tried);
   if (r.code != 0) fail_msg("%s without a fault: exit %d: %s%s", name, r.code, r.out, r.err);
   snprintf(path, sizeof path, "%s/tests/fixtures/wrong/%s.txt", HK_ROOT, name);
   FILE *table = fopen(path, "r");
@@ -61,5 +62,7 @@ static inline void right_and_wrong(const char *name, size_t least) {
   fclose(table);
   assert_true(count >= least);
 }
+
+static inline void right_and_wrong(const char *name, size_t least) { right_with_and_wrong(name, "", least); }
 
 #endif

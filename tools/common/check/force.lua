@@ -10,6 +10,7 @@ local further = require("common.check.force.further")
 local habits = require("common.check.force.habits")
 local large = require("common.check.force.large")
 local parts = require("common.check.force.parts")
+local periodic = require("common.check.force.periodic")
 local population = require("common.check.force.population")
 local repeats = require("common.check.force.repeats")
 
@@ -37,6 +38,7 @@ return function(plugin, report)
   if not found[1] then return fine end
   plugin.accepted = found[1].accepted
   plugin.has, plugin.on_y = found[1].has, found[1].flags & DEPENDS_ON_CHANNELS ~= 0
+  plugin.flags = found[1].flags
   plugin.stiffens = found[1].flags & STIFFENS ~= 0
   for _, property in ipairs(habits.list) do
     report:try(property[1], function(lines) property[2](plugin, lines) end)
@@ -48,6 +50,7 @@ return function(plugin, report)
   further.try(plugin, report)
   contact.try(plugin, report)
   parts.try(plugin, report)
+  periodic.try(plugin, report)
   population.try(plugin, report)
   large.try(plugin, report)
 end
