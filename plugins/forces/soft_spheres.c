@@ -59,14 +59,17 @@ static hk_status begin(task *t, soft_spheres *s, const hk_view *view) {
   return s->service->rows(s->service->self, view, view->x, &t->rows);
 }
 
-static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+#define EACH_SPACE(t, f, ...) ((t)->box ? f(t, (t)->box, __VA_ARGS__) : f(t, NULL, __VA_ARGS__))
 
-/* m, how far i and j overlap; r: from j to i. */
-static double overlap(const task *t, size_t i, size_t j, double r[3], double *distance) {
+HK_INLINE size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+
+/* m, how far i and j overlap; r: from j to i. `box` is the task's; that it is NULL is known to the compiler where rows
+ * are summed in open space (EACH_SPACE). */
+HK_INLINE double overlap(const task *t, const hk_periodic_box *box, size_t i, size_t j, double r[3], double *distance) {
   const double *x = t->view->x;
   double reach = hk_sphere_radius(&t->self->spheres, t->view, i) + hk_sphere_radius(&t->self->spheres, t->view, j);
   for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - x[3 * j + c];
-  if (t->box) hk_nearest_image(t->box, r);
+  if (box) hk_nearest_image(box, r);
   double r2 = hk_dot(r, r);
   if (!(r2 < reach * reach) || (t->view->is_active && !t->view->is_active[j])) return 0;
   *distance = sqrt(r2);
@@ -109,13 +112,13 @@ static void contact_of(const task *t, size_t i, size_t j, double d, const double
 
 /* ---- force and energy ---- */
 
-static double add_one(const task *t, size_t i) {
+HK_INLINE double add_one(const task *t, const hk_periodic_box *box, size_t i) {
   const soft_spheres *s = t->self;
   double force[3] = {0}, torque[3] = {0}, power = 0, r[3], distance = 0, R = hk_sphere_radius(&s->spheres, t->view, i);
   size_t at = s->history.row[i];
   for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
     size_t j = t->rows.other[e];
-    double d = overlap(t, i, j, r, &distance), moment[3];
+    double d = overlap(t, box, i, j, r, &distance), moment[3];
     if (!(d > 0)) continue;
     hk_grain_contact c;
     contact_of(t, i, j, d, r, distance, hk_grain_history_find(&s->history, i, &at, t->view->model->id[j]), &c);
@@ -130,7 +133,7 @@ static double add_one(const task *t, size_t i) {
 static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
   double power = 0;
-  for (size_t k = first; k < end; k++) power += add_one(t, acting(t->view, k));
+  for (size_t k = first; k < end; k++) power += EACH_SPACE(t, add_one, acting(t->view, k));
   t->self->sums[chunk] = power;
 }
 
@@ -165,7 +168,7 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
     size_t i = acting(t->view, k);
     const double *w = hk_sphere_spin(&s->spheres, t->view, i);
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
-      double d = overlap(t, i, t->rows.other[e], r, &distance);
+      double d = overlap(t, t->box, i, t->rows.other[e], r, &distance);
       sum += s->law.stiffness / 4 * d * d; /* of each pair twice */
     }
     if (w) sum += hk_sphere_inertia(&s->spheres, t->view, i) / 2 * hk_dot(w, w);
@@ -182,21 +185,27 @@ static double energy(void *self, const hk_view *view) {
 
 /* ---- what is remembered ---- */
 
+HK_INLINE size_t count_touching(const task *t, const hk_periodic_box *box, size_t i) {
+  double r[3], distance;
+  size_t count = 0;
+  for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++)
+    count += overlap(t, box, i, t->rows.other[e], r, &distance) > 0;
+  return count;
+}
+
+static size_t touching(const task *t, size_t i) { return EACH_SPACE(t, count_touching, i); }
+
 static void count_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
-  double r[3], distance;
   (void)chunk;
   for (size_t i = first; i < end; i++) {
-    size_t count = 0;
     bool acts = !t->view->is_active || t->view->is_active[i];
-    for (size_t e = t->rows.row_start[i]; acts && e < t->rows.row_start[i + 1]; e++)
-      count += overlap(t, i, t->rows.other[e], r, &distance) > 0;
-    t->self->history.next_row[i + 1] = count;
+    t->self->history.next_row[i + 1] = acts ? touching(t, i) : 0;
   }
 }
 
 /* False: another sphere is in the same place. */
-static bool remember_one(const task *t, size_t i) {
+HK_INLINE bool remember_one(const task *t, const hk_periodic_box *box, size_t i) {
   const hk_grain_history *h = &t->self->history;
   const uint32_t *id = t->view->model->id;
   hk_grain_touch *into = (hk_grain_touch *)h->next.item + h->next_row[i];
@@ -205,7 +214,7 @@ static bool remember_one(const task *t, size_t i) {
   bool apart = true;
   for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
     size_t j = t->rows.other[e];
-    double d = overlap(t, i, j, r, &distance);
+    double d = overlap(t, box, i, j, r, &distance);
     if (!(d > 0)) continue;
     const hk_grain_touch *touch = hk_grain_history_find(h, i, &at, id[j]);
     hk_grain_contact c;
@@ -223,7 +232,7 @@ static void remember_chunk(void *context, size_t first, size_t end, size_t chunk
   const task *t = context;
   t->self->sums[chunk] = 0;
   for (size_t k = first; k < end; k++)
-    if (!remember_one(t, acting(t->view, k))) t->self->sums[chunk] = (double)(acting(t->view, k) + 1);
+    if (!EACH_SPACE(t, remember_one, acting(t->view, k))) t->self->sums[chunk] = (double)(acting(t->view, k) + 1);
 }
 
 static hk_status check_places(const soft_spheres *s, const hk_view *view) {
@@ -262,14 +271,6 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 }
 
 /* ---- the step ---- */
-
-static size_t touching(const task *t, size_t i) {
-  double r[3], distance;
-  size_t count = 0;
-  for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++)
-    count += overlap(t, i, t->rows.other[e], r, &distance) > 0;
-  return count;
-}
 
 static double largest_mass(const hk_view *view) {
   double most = 0;

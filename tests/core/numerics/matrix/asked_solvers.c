@@ -184,17 +184,19 @@ static hk_status count_analysis(void *self, const hk_matrix *A) {
 }
 
 static double diagonal[2];
+static size_t diagonal_rows;
 
 static hk_status keep_diagonal(void *self, const hk_matrix *A) {
   (void)self;
   factorizations++;
+  diagonal_rows = A->rows;
   for (size_t r = 0; r < A->rows; r++) diagonal[r] = A->value[A->row_start[r]];
   return HK_OK;
 }
 
 static hk_status divide(void *self, const double *b, double *x, hk_solve_info *info) {
   (void)self, (void)info;
-  for (int r = 0; r < 2; r++) x[r] = b[r] / diagonal[r];
+  for (size_t r = 0; r < diagonal_rows; r++) x[r] = b[r] / diagonal[r];
   return HK_OK;
 }
 
