@@ -1,6 +1,7 @@
 -- hooke new KIND NAME: writes a scene, or the shortest complete plugin of a kind and its test.
 -- NAME.c is the plugin (force, constraint, corrector, source, integrator, solver, output, service) and NAME.lua its test,
--- in this folder; of a scene there is NAME.lua alone. The templates are in templates/.
+-- in this folder, with a Makefile for all plugins of it; a service has its interface in NAME.h and NAME_client.c, which
+-- asks it. Of a scene there is NAME.lua alone. The templates are in templates/.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local results = require("common.run.file")
@@ -18,7 +19,7 @@ end
 local kinds = { "scene", "force", "constraint", "corrector", "source", "integrator", "solver", "output", "service" }
 
 local function parser_of()
-  local p = argparse("hooke new", "Writes a scene, or the shortest complete plugin of a kind and its test, into this folder.")
+  local p = argparse("hooke new", "Writes a scene, or the shortest complete plugin of a kind, its test and a Makefile, into this folder.")
   p:argument("kind", table.concat(kinds, ", ")):args("?")
   p:argument("name", "of the scene or the plugin: a-z, 0-9 and _"):args("?")
   return p
@@ -26,12 +27,19 @@ end
 
 local after = {
   scene = [[
-wrote NAME.lua. Run it, look at its parameters, and at what it will load:
+wrote FILES. Run it, look at its parameters, and at what it will load:
   hooke run NAME.lua
   hooke run NAME.lua --help
   hooke explain NAME.lua]],
   plugin = [[
-wrote NAME.c and NAME.lua. Build it, try it, test it:
+wrote FILES. Build it, try it, test it:
+  make
+  hooke check ./NAME.so
+  hooke run --trust NAME.lua
+or all of it: make test-NAME]],
+  -- where a Makefile of another kind is
+  by_hand = [[
+wrote FILES; Makefile exists already and is left as it is. Build it, try it, test it:
   cc -O3 -shared -fPIC $(hooke --cflags) NAME.c -o NAME.so
   hooke check ./NAME.so
   hooke run --trust NAME.lua]],
@@ -43,14 +51,30 @@ local function no_template(kind)
     or "; the kinds are " .. table.concat(kinds, ", ")))
 end
 
+local function template(file) return read(("%s/templates/%s"):format(hooke.folder, file)) end
+
 -- The files of that kind, { name, text } each: of a scene, its script alone.
 local function files_of(kind, name)
   local files = {}
-  for _, ending in ipairs { "c", "lua" } do
-    local text = read(("%s/templates/%s.%s"):format(hooke.folder, kind, ending))
-    if text then files[#files + 1] = { ("%s.%s"):format(name, ending), text } end
+  for _, ending in ipairs { ".h", ".c", "_client.c", ".lua" } do
+    local text = template(kind .. ending)
+    if text then files[#files + 1] = { name .. ending, (text:gsub("NAME", name)) } end
   end
   return files
+end
+
+-- Whether the folder's Makefile is, or is going to be, the one for all plugins of a folder.
+local function add_makefile(files)
+  local text, there = template("Makefile"), read("Makefile")
+  if not there then files[#files + 1] = { "Makefile", text } end
+  return not there or there == text
+end
+
+local function listed(files)
+  local names = {}
+  for k, f in ipairs(files) do names[k] = f[1] end
+  local last = table.remove(names)
+  return #names > 0 and table.concat(names, ", ") .. " and " .. last or last
 end
 
 local o = command_line.parse("new", parser_of())
@@ -66,12 +90,13 @@ local files = files_of(o.kind, o.name)
 for _, f in ipairs(files) do
   if read(f[1]) then return fail(f[1] .. " exists already; it is left as it is") end
 end
+local how = o.kind == "scene" and "scene" or add_makefile(files) and "plugin" or "by_hand"
 for _, f in ipairs(files) do
-  local fine, why = results.write(f[1], (f[2]:gsub("NAME", o.name)))
+  local fine, why = results.write(f[1], f[2])
   if not fine then
     fail(why)
     return 4
   end
 end
-print((after[o.kind == "scene" and "scene" or "plugin"]:gsub("NAME", o.name)))
+print((after[how]:gsub("FILES", listed(files)):gsub("NAME", o.name)))
 return 0

@@ -42,6 +42,7 @@ local function show(plugin)
       plugin.symplectic and ", symplectic" or "", plugin.adaptive and ", adaptive" or "", plugin.implicit and ", implicit" or ""))
   end
   if plugin.facets ~= "" then print("  facets      " .. plugin.facets) end
+  if plugin.periodic then print("  box         right in a periodic box, scene:periodic") end
   print("  file        " .. plugin.path)
   for _, p in ipairs(plugin.params) do
     print(("  %-11s %-12s %-9s default %-14s %s"):format(p.name, p.unit, p.type, default(p), p.help))

@@ -28,6 +28,20 @@ typedef struct hk_publication {
   const double *const *values; /* *values: n x width; NULL before the plugin's own `create` */
 } hk_publication;
 
+/* A box that repeats along some axes: a particle at x is also at x + k (high - low) along each of them, for every whole
+ * k. Positions are those of one of these images and are never wrapped: a particle that leaves through a face goes on,
+ * so that its way, its work and what joins it to others need nothing new. What acts between particles that are not
+ * joined takes the nearest image of the other, hk_nearest_image. */
+typedef struct hk_periodic_box {
+  double low[3], high[3]; /* m */
+  bool repeats[3];
+} hk_periodic_box;
+
+/* A further flag of forces, constraints and correctors: in a periodic box the plugin acts between nearest images, or
+ * what it does is the same without. Of one without it the run warns, unless it is a force that does not depend on x, or
+ * acts on tuples of the script's, whose members are where they are. */
+enum { HK_PERIODIC = 65536 };
+
 struct hk_model {
   size_t n;
   const double *mass;         /* n, kg */
@@ -51,7 +65,18 @@ struct hk_model {
   const uint32_t *by_id;
   const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
   double t; /* s, of the last accepted state: what a force remembers of a step's beginning is from then */
+  const hk_periodic_box *box;           /* NULL: space is open; since minor 1 */
 };
+
+/* d, the difference of two positions, becomes that to the nearest image: at most half of the box along each axis that
+ * repeats. The opposite difference becomes the opposite, bit by bit, but for ties. */
+static inline void hk_nearest_image(const hk_periodic_box *box, double d[3]) {
+  const double whole = 6755399441055744; /* 1.5 2^52: what is added to it is rounded to a whole number */
+  for (int c = 0; c < 3; c++) {
+    double length = box->high[c] - box->low[c];
+    if (box->repeats[c]) d[c] -= length * ((d[c] / length + whole) - whole);
+  }
+}
 
 /* The index of the k-th particle in the order of ids, k < n. */
 static inline size_t hk_model_nth(const hk_model *m, size_t k) { return m->by_id ? m->by_id[k] : k; }

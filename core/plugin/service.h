@@ -24,8 +24,8 @@ typedef struct hk_service {
 typedef struct hk_neighbour_rows {
   size_t n;
   const size_t *row_start; /* n + 1 */
-  const uint32_t *other;   /* row_start[n]: of each i all j != i that were closer than `reach`, rising; both i's row
-                              has j and j's row has i */
+  const uint32_t *other;   /* row_start[n]: of each i all j != i that were closer than `reach`, in a periodic box their
+                              nearest images, rising; both i's row has j and j's row has i */
   double reach;            /* m, the largest radius and its skin */
   uint64_t number;         /* changes when the rows change; to be compared within one topology */
 } hk_neighbour_rows;
@@ -33,13 +33,17 @@ typedef struct hk_neighbour_rows {
 typedef struct hk_neighbours {
   void *self;
   /* Called in `create`, `topology` or `update`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to
-   * 1e150. The largest request counts, to the end of the run. HK_BAD_PARAM. */
+   * 1e150. The largest request counts, to the end of the run. HK_BAD_PARAM; also in a periodic box, see below. */
   hk_status (*reach)(void *self, double radius);
   /* The rows for the positions x (n x 3), valid until the next call of any client. They hold pairs up to `reach` apart
    * and, as x has moved since the search, somewhat more: the caller checks the distance. May be called from `add`,
    * `energy`, `update`, `accepted` and sources, not inside a parallel_for, which it uses. It allocates when there are
    * more pairs than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
   hk_status (*rows)(void *self, const hk_view *view, const double *x, hk_neighbour_rows *rows);
+  /* `reach` of a caller that knows of periodic boxes (core/plugin/model.h): it takes the differences of pairs in the
+   * rows to the nearest image, and has the flag HK_PERIODIC. HK_BAD_PARAM also where the box is shorter than two radii
+   * along an axis that repeats: a particle would meet two images of another. Since minor 1. */
+  hk_status (*reach_images)(void *self, double radius);
 } hk_neighbours;
 
 /* ---- "interruption/1", which the host serves itself -------------------------------------------------------------- */

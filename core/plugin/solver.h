@@ -43,4 +43,32 @@ typedef struct hk_solver {
   bool (*fits)(void *self, const hk_matrix *A);
 } hk_solver;
 
+/* ---- "solvers/1", which the host serves itself ------------------------------------------------------------------- */
+
+/* For forces, correctors and others that solve sparse linear systems of their own, A x = b: a pressure, a potential.
+ * Each has a solver plugin of its own, apart from that of an implicit method: they share nothing. The calls use the
+ * host's threads, so not inside a parallel_for nor in `add_part`; for the same A and b, x has the same bits whatever
+ * their number. Errors name the plugin that asked; return their status, as the run ends by it. */
+typedef struct hk_linear hk_linear; /* a solver with the pattern that it has analysed, a copy of A, and its factors */
+
+typedef struct hk_solvers {
+  void *self;
+  /* Called in `create`, where `host` is the caller's; `made` is valid until its `destroy`. `needs`: the flags
+   * HK_SOLVES_... that its matrices need, 0: all are symmetric and positive definite. `name`: of a solver plugin; NULL:
+   * the scene's where that has these flags, or else one that the host chooses by them, the pattern and the size.
+   * HK_BAD_PARAM: there is no such solver, or it lacks a flag. */
+  hk_status (*open)(void *self, const hk_host *host, const char *name, unsigned needs, hk_linear **made);
+  /* Factorizes A, of at least one row, which it copies. It compares the pattern with the last one itself, whatever A->
+   * pattern says, and analyses, and allocates, only when that has changed. Without HK_SOLVES_UNSYMMETRIC, A is compared
+   * with its transpose, whatever A->symmetric says. Checkpoints hold no factors: where A changes with the state,
+   * factorize in each call that solves; what depends on the topology alone, in `create` and `topology`. HK_FAILED,
+   * HK_NOT_CONVERGED: A is no matrix of the kind asked for, or it is singular up to rounding: with a right-hand side
+   * of random numbers, |A x - b| is above 1e-6 |b| (largest numbers; not tried with iterative solvers). HK_NOT_FINITE.
+   */
+  hk_status (*factorize)(hk_linear *, const hk_matrix *A);
+  /* x of the last A; b, x: rows x block; b != x. `info` may be NULL; its tolerance, |b - A x| / |b|, is a wish to
+   * iterative solvers, 0: their own. HK_NOT_CONVERGED: |A x - b| is above 1e-6 |b|, or above twice the tolerance. */
+  hk_status (*solve)(hk_linear *, const double *b, double *x, hk_solve_info *info);
+} hk_solvers;
+
 #endif

@@ -1,7 +1,8 @@
 /* The Lennard-Jones pair V = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) up to the cut-off, with a shifted force: a constant
  * force and an energy are taken off so that both are 0 there (plugins/common/pairs/lj_pair.h). Pairs come from the
  * service neighbours/1; each particle sums over its own row, in rising order, so threads leave no trace and opposite
- * forces have the same bits. The blocks of K are the Hessian U'' n n^T + U'/r (1 - n n^T) of each pair, with n = r/|r|.
+ * forces have the same bits; in a periodic box it takes the nearest images (Allen and Tildesley 1987, section 1.5). The
+ * blocks of K are the Hessian U'' n n^T + U'/r (1 - n n^T) of each pair, with n = r/|r|.
  *
  * Nearer than sigma/10000 the force is a convention that keeps everything finite. No motion leads there; a run that has
  * such a pair after a step ends with an error.
@@ -48,9 +49,15 @@ static const hk_param params[] = {
     {0},
 };
 
-static double difference(const double *x, size_t i, size_t j, double d[3]) {
+/* From i to j, in a periodic box to its nearest image; `box` NULL is known to the compiler where loops are open. */
+HK_INLINE double between(const double *x, const hk_periodic_box *box, size_t i, size_t j, double d[3]) {
   for (size_t c = 0; c < 3; c++) d[c] = x[3 * j + c] - x[3 * i + c];
+  if (box) hk_nearest_image(box, d);
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+static double difference(const hk_view *view, size_t i, size_t j, double d[3]) {
+  return between(view->x, view->model->box, i, j, d);
 }
 
 static bool attract(const lennard_jones *p, const hk_view *view, size_t i, size_t j) {
@@ -74,17 +81,16 @@ static hk_status begin(task *t, const lennard_jones *p, const hk_view *view) {
   return p->service->rows(p->service->self, view, view->x, &t->rows);
 }
 
-static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+HK_INLINE size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 
-static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
-  const task *t = context;
+HK_INLINE void add_rows(const task *t, const hk_periodic_box *box, size_t first, size_t end, size_t chunk) {
   double nearest2 = INFINITY;
   for (size_t k = first; k < end; k++) {
     size_t i = acting(t->view, k);
     double sum[3] = {0}, d[3];
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       size_t j = t->rows.other[e];
-      double r2 = difference(t->view->x, i, j, d);
+      double r2 = between(t->view->x, box, i, j, d);
       if (!(r2 < t->cut2) || !attract(t->self, t->view, i, j)) continue;
       nearest2 = fmin(nearest2, r2);
       double f = hk_lj_pair_at(&t->self->law, r2).push;
@@ -95,11 +101,21 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   t->self->too_near[chunk] = nearest2 < t->self->law.least2;
 }
 
+static void add_open(void *context, size_t first, size_t end, size_t chunk) {
+  add_rows(context, NULL, first, end, chunk);
+}
+
+static void add_periodic(void *context, size_t first, size_t end, size_t chunk) {
+  const task *t = context;
+  add_rows(t, t->view->model->box, first, end, chunk);
+}
+
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t;
   hk_status status = begin(&t, self, view);
   t.F = F;
-  if (status == HK_OK) view->host->parallel_for(view->host, view->acting, GRAIN, add_chunk, &t);
+  if (status == HK_OK)
+    view->host->parallel_for(view->host, view->acting, GRAIN, view->model->box ? add_periodic : add_open, &t);
   return status;
 }
 
@@ -110,7 +126,7 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
     size_t i = acting(t->view, k);
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       size_t j = t->rows.other[e];
-      double r2 = difference(t->view->x, i, j, d);
+      double r2 = difference(t->view, i, j, d);
       if (j > i && r2 < t->cut2 && attract(t->self, t->view, i, j)) sum += hk_lj_pair_at(&t->self->law, r2).energy;
     }
   }
@@ -185,7 +201,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   const size_t *slot = into->slot;
   if (p->failed != HK_OK) return p->failed;
   for (size_t k = 0; k < p->pairs; k++, slot += 4) {
-    double d[3], H[6], r2 = difference(view->x, p->pair[k][0], p->pair[k][1], d);
+    double d[3], H[6], r2 = difference(view, p->pair[k][0], p->pair[k][1], d);
     if (!(r2 < p->law.cutoff * p->law.cutoff)) continue;
     hk_lj_pair_hessian(&p->law, d, r2, into->want & HK_WANT_DEFINITE, H);
     for (int e = 0; e < 4; e++) add_block(into->K + 9 * slot[e], H, e == 0 || e == 3 ? 1 : -1);
@@ -203,7 +219,7 @@ static void bound_chunk(void *context, size_t first, size_t end, size_t chunk) {
     size_t i = acting(t->view, k);
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       size_t j = t->rows.other[e];
-      double d[3], H[6], r2 = difference(t->view->x, i, j, d);
+      double d[3], H[6], r2 = difference(t->view, i, j, d);
       if (!(r2 < t->cut2) || !attract(t->self, t->view, i, j)) continue;
       hk_lj_pair_hessian(&t->self->law, d, r2, true, H);
       for (int c = 0; c < 6; c++) t->block[i][c] += 2 * H[c];
@@ -235,7 +251,7 @@ static double longest_step(void *self, const hk_view *view) {
 static hk_status refuse(const task *t) {
   for (size_t i = 0; i < t->rows.n; i++)
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
-      double d[3], r2 = difference(t->view->x, i, t->rows.other[e], d);
+      double d[3], r2 = difference(t->view, i, t->rows.other[e], d);
       if (r2 < t->self->law.least2 && attract(t->self, t->view, i, t->rows.other[e]))
         return t->self->host->fail(t->self->host, HK_FAILED,
                                    "particles %u and %u are %g m apart at t = %g s, less than sigma/10000, where "
@@ -306,14 +322,14 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
                       "cutoff: %g m is less than half of sigma: nothing would be left of the force; 2.5 sigma is usual",
                       p->law.cutoff);
   hk_lj_pair_prepare(&p->law);
-  hk_status status = p->service->reach(p->service->self, p->law.cutoff);
+  hk_status status = p->service->reach_images(p->service->self, p->law.cutoff);
   return status == HK_OK ? topology(self, view) : status;
 }
 
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
-             HK_OFFERS_DEFINITE,
+             HK_OFFERS_DEFINITE | HK_PERIODIC,
     .add = add,
     .energy = energy,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),

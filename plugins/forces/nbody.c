@@ -68,6 +68,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   nbody *p = self;
   p->host = host;
   p->chosen = p->sources.count > 0;
+  if (view->model->box)
+    return host->fail(host, HK_BAD_PARAM,
+                      "gravity reaches all images of a periodic box, and no sum over them (Ewald's) is made: leave "
+                      "scene:periodic out, or take a force with a cut-off");
   if (p->chosen && p->method == TREE)
     return host->fail(host, HK_BAD_PARAM,
                       "method: a tree sums over all pairs, and `sources` chooses some: use \"direct\"");

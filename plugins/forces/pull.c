@@ -214,7 +214,7 @@ static bool moved(const void *self, double *work) {
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER | HK_SYMMETRIC_JACOBIAN,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER | HK_SYMMETRIC_JACOBIAN | HK_PERIODIC,
     .add = add,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),

@@ -48,23 +48,28 @@ typedef struct task {
   soft_spheres *self;
   const hk_view *view;
   hk_neighbour_rows rows;
+  const hk_periodic_box *box; /* NULL: space is open */
   double *F;
   bool fresh; /* what is remembered is not of the step before */
 } task;
 
 static hk_status begin(task *t, soft_spheres *s, const hk_view *view) {
-  *t = (task){.self = s, .view = view};
+  *t = (task){.self = s, .view = view, .box = view->model->box};
   hk_grain_history_index(&s->history, view);
   return s->service->rows(s->service->self, view, view->x, &t->rows);
 }
 
-static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+#define EACH_SPACE(t, f, ...) ((t)->box ? f(t, (t)->box, __VA_ARGS__) : f(t, NULL, __VA_ARGS__))
 
-/* m, how far i and j overlap; r: from j to i. */
-static double overlap(const task *t, size_t i, size_t j, double r[3], double *distance) {
+HK_INLINE size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+
+/* m, how far i and j overlap; r: from j to i. `box` is the task's; that it is NULL is known to the compiler where rows
+ * are summed in open space (EACH_SPACE). */
+HK_INLINE double overlap(const task *t, const hk_periodic_box *box, size_t i, size_t j, double r[3], double *distance) {
   const double *x = t->view->x;
   double reach = hk_sphere_radius(&t->self->spheres, t->view, i) + hk_sphere_radius(&t->self->spheres, t->view, j);
   for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - x[3 * j + c];
+  if (box) hk_nearest_image(box, r);
   double r2 = hk_dot(r, r);
   if (!(r2 < reach * reach) || (t->view->is_active && !t->view->is_active[j])) return 0;
   *distance = sqrt(r2);
@@ -107,13 +112,13 @@ static void contact_of(const task *t, size_t i, size_t j, double d, const double
 
 /* ---- force and energy ---- */
 
-static double add_one(const task *t, size_t i) {
+HK_INLINE double add_one(const task *t, const hk_periodic_box *box, size_t i) {
   const soft_spheres *s = t->self;
   double force[3] = {0}, torque[3] = {0}, power = 0, r[3], distance = 0, R = hk_sphere_radius(&s->spheres, t->view, i);
   size_t at = s->history.row[i];
   for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
     size_t j = t->rows.other[e];
-    double d = overlap(t, i, j, r, &distance), moment[3];
+    double d = overlap(t, box, i, j, r, &distance), moment[3];
     if (!(d > 0)) continue;
     hk_grain_contact c;
     contact_of(t, i, j, d, r, distance, hk_grain_history_find(&s->history, i, &at, t->view->model->id[j]), &c);
@@ -128,7 +133,7 @@ static double add_one(const task *t, size_t i) {
 static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
   double power = 0;
-  for (size_t k = first; k < end; k++) power += add_one(t, acting(t->view, k));
+  for (size_t k = first; k < end; k++) power += EACH_SPACE(t, add_one, acting(t->view, k));
   t->self->sums[chunk] = power;
 }
 
@@ -163,7 +168,7 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
     size_t i = acting(t->view, k);
     const double *w = hk_sphere_spin(&s->spheres, t->view, i);
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
-      double d = overlap(t, i, t->rows.other[e], r, &distance);
+      double d = overlap(t, t->box, i, t->rows.other[e], r, &distance);
       sum += s->law.stiffness / 4 * d * d; /* of each pair twice */
     }
     if (w) sum += hk_sphere_inertia(&s->spheres, t->view, i) / 2 * hk_dot(w, w);
@@ -180,21 +185,27 @@ static double energy(void *self, const hk_view *view) {
 
 /* ---- what is remembered ---- */
 
+HK_INLINE size_t count_touching(const task *t, const hk_periodic_box *box, size_t i) {
+  double r[3], distance;
+  size_t count = 0;
+  for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++)
+    count += overlap(t, box, i, t->rows.other[e], r, &distance) > 0;
+  return count;
+}
+
+static size_t touching(const task *t, size_t i) { return EACH_SPACE(t, count_touching, i); }
+
 static void count_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
-  double r[3], distance;
   (void)chunk;
   for (size_t i = first; i < end; i++) {
-    size_t count = 0;
     bool acts = !t->view->is_active || t->view->is_active[i];
-    for (size_t e = t->rows.row_start[i]; acts && e < t->rows.row_start[i + 1]; e++)
-      count += overlap(t, i, t->rows.other[e], r, &distance) > 0;
-    t->self->history.next_row[i + 1] = count;
+    t->self->history.next_row[i + 1] = acts ? touching(t, i) : 0;
   }
 }
 
 /* False: another sphere is in the same place. */
-static bool remember_one(const task *t, size_t i) {
+HK_INLINE bool remember_one(const task *t, const hk_periodic_box *box, size_t i) {
   const hk_grain_history *h = &t->self->history;
   const uint32_t *id = t->view->model->id;
   hk_grain_touch *into = (hk_grain_touch *)h->next.item + h->next_row[i];
@@ -203,7 +214,7 @@ static bool remember_one(const task *t, size_t i) {
   bool apart = true;
   for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
     size_t j = t->rows.other[e];
-    double d = overlap(t, i, j, r, &distance);
+    double d = overlap(t, box, i, j, r, &distance);
     if (!(d > 0)) continue;
     const hk_grain_touch *touch = hk_grain_history_find(h, i, &at, id[j]);
     hk_grain_contact c;
@@ -221,7 +232,7 @@ static void remember_chunk(void *context, size_t first, size_t end, size_t chunk
   const task *t = context;
   t->self->sums[chunk] = 0;
   for (size_t k = first; k < end; k++)
-    if (!remember_one(t, acting(t->view, k))) t->self->sums[chunk] = (double)(acting(t->view, k) + 1);
+    if (!EACH_SPACE(t, remember_one, acting(t->view, k))) t->self->sums[chunk] = (double)(acting(t->view, k) + 1);
 }
 
 static hk_status check_places(const soft_spheres *s, const hk_view *view) {
@@ -240,7 +251,7 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
   const soft_spheres *s = self;
   (void)x_to, (void)pattern_changed;
   hk_status status = hk_spheres_check(&s->spheres, from);
-  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
+  return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
                          : status;
 }
 
@@ -260,14 +271,6 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 }
 
 /* ---- the step ---- */
-
-static size_t touching(const task *t, size_t i) {
-  double r[3], distance;
-  size_t count = 0;
-  for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++)
-    count += overlap(t, i, t->rows.other[e], r, &distance) > 0;
-  return count;
-}
 
 static double largest_mass(const hk_view *view) {
   double most = 0;
@@ -306,7 +309,7 @@ static hk_status topology(void *self, const hk_view *view) {
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_spheres_check(&s->spheres, view);
   if (status == HK_OK) status = hk_grain_history_adapt(&s->history, view, true);
-  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
+  return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
                          : status;
 }
 
@@ -335,6 +338,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
     size_t i = hk_model_find(view->model, touch[k].self), j = hk_model_find(view->model, touch[k].other);
     double R = hk_sphere_radius(&s->spheres, view, i), at[3], n[3];
     for (size_t c = 0; c < 3; c++) n[c] = view->x[3 * i + c] - view->x[3 * j + c];
+    if (view->model->box) hk_nearest_image(view->model->box, n);
     double length = sqrt(hk_dot(n, n));
     for (size_t c = 0; c < 3; c++) n[c] /= length, at[c] = view->x[3 * i + c] - R * n[c];
     points->add(points->context, at, n);
@@ -344,7 +348,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS | HK_CONSERVES_MOMENTUM |
-             HK_POWER | HK_STIFFENS,
+             HK_POWER | HK_STIFFENS | HK_PERIODIC,
     .add = add,
     .energy = energy,
     .rates = rates,

@@ -323,7 +323,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER | HK_PERIODIC,
     .add = add,
     .add_part = add_part,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian), HK_PARTS_FACET(.touch = parts),

@@ -5,7 +5,7 @@
  * Which pairs within the radius a client finds, and their order, do not depend on when that was. The positions of the
  * last time are saved all the same, so that a run that goes on from a checkpoint has the rows, and their number, of the
  * run that did not stop. */
-#include "plugins/common/space/cell_list.h"
+#include "plugins/common/space/images.h"
 
 #include <string.h>
 #include <time.h>
@@ -28,6 +28,8 @@ typedef struct neighbours {
   size_t chunks;
   bool *moved;    /* chunks: a particle of it has moved too far, or is not finite */
   double seconds; /* wall time of `rows` so far */
+  hk_images images;
+  const hk_periodic_box *box; /* NULL: space is open */
   hk_neighbours table;
   const hk_host *host;
 } neighbours;
@@ -49,14 +51,37 @@ static const hk_field fields[] = {
     {0},
 };
 
-static hk_status ask_reach(void *self, double radius) {
+static hk_status check_box(const neighbours *s, double radius) {
+  for (int c = 0; c < 3 && s->box; c++) {
+    double length = s->box->high[c] - s->box->low[c];
+    if (s->box->repeats[c] && length < 2 * radius)
+      return s->host->fail(
+          s->host, HK_BAD_PARAM,
+          "the periodic box is %g m long along %c, less than twice the radius of %g m of which a plugin "
+          "asks for neighbours, so that a particle would meet two images of another: make the box at "
+          "least %g m long, or the radius (cut-off) at most %g m",
+          length, "xyz"[c], radius, 2 * radius, length / 2);
+  }
+  return HK_OK;
+}
+
+static hk_status ask_images(void *self, double radius) {
   neighbours *s = self;
   if (!(radius == 0 || (radius >= least_radius && radius <= largest_radius)))
     return s->host->fail(s->host, HK_BAD_PARAM,
                          "a plugin asks for neighbours up to %g m: give it a radius (cut-off) of 0, or from %g to %g m",
                          radius, least_radius, largest_radius);
-  if (radius > s->radius) s->radius = radius;
-  return HK_OK;
+  hk_status status = check_box(s, radius);
+  if (status == HK_OK && radius > s->radius) s->radius = radius;
+  return status;
+}
+
+static hk_status ask_reach(void *self, double radius) {
+  const neighbours *s = self;
+  if (!s->box) return ask_images(self, radius);
+  return s->host->fail(s->host, HK_BAD_PARAM,
+                       "a plugin asks for neighbours and knows no periodic box, so that it would miss what acts across "
+                       "the faces: leave scene:periodic out, or let the plugin ask by reach_images");
 }
 
 /* ---- have the rows become bad? ---- */
@@ -110,7 +135,8 @@ static void copy_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 static hk_status list_rows(neighbours *s, size_t n) {
-  hk_status status = hk_cell_list_build(&s->list, s->host, s->found_at, n, s->found_reach);
+  hk_status status = s->box ? hk_images_rows(&s->images, &s->list, s->host, s->box, s->found_at, n, s->found_reach)
+                            : hk_cell_list_build(&s->list, s->host, s->found_at, n, s->found_reach);
   s->listed = status == HK_OK;
   if (!s->listed) s->found = 0;
   return status;
@@ -170,7 +196,8 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   neighbours *s = self;
   s->host = host;
-  s->table = (hk_neighbours){self, ask_reach, rows};
+  s->box = view->model->box;
+  s->table = (hk_neighbours){self, ask_reach, rows, ask_images};
   return topology(self, view);
 }
 

@@ -61,6 +61,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   octree *s = self;
   s->host = host;
   s->table = (hk_octrees){self, tree};
+  if (view->model->box)
+    return host->fail(host, HK_BAD_PARAM,
+                      "trees see no images across the faces of a periodic box, so that what asks for one would miss "
+                      "them: leave scene:periodic out");
   return topology(self, view);
 }
 

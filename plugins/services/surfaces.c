@@ -289,6 +289,11 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   surfaces *s = self;
   s->host = host;
   s->model = view->model;
+  if (view->model->box)
+    return host->fail(
+        host, HK_BAD_PARAM,
+        "contact of surfaces sees no images across the faces of a periodic box: leave scene:periodic out, "
+        "or the force or corrector that keeps surfaces apart");
   s->pairs.record_size = sizeof(hk_feature_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
   s->near.record_size = sizeof(hk_feature_pair);

@@ -183,6 +183,14 @@ function made.edges()
     ("local _ = e[%s]"):format(values.strange()), ("e = e .. %s"):format(values.strange()), "e = { e, { 1, 2 }, e }" }
 end
 
+function made.periodic()
+  local list = {}
+  field(list, "low", values.vector(-3), 0.5)
+  field(list, "high", values.vector(8), 0.95)
+  field(list, "axes", values.or_strange(pick { "'x'", "'xy'", "'xyz'", "'zz'", "''" }), 0.5)
+  return ("s:periodic(%s)"):format(values.or_strange(braces(list)))
+end
+
 -- A method with the wrong arguments, or of the wrong object.
 function made.odd()
   local name = pick { "force", "pin", "grid", "measure", "run", "particle", "channel", "start", "exact", "mesh", "nope" }
@@ -192,7 +200,7 @@ end
 local likely = { "particle", "particle", "particles", "grid", "grid", "strand", "plugin", "plugin", "plugin", "plugin", "plugin",
   "plugin", "plugin", "plugin", "plugin", "pin", "pin", "channel", "measure", "measure", "on_frame", "exact", "start", "run",
     "parameter",
-  "handle", "edges", "odd", "mesh", "scene" }
+  "handle", "edges", "odd", "mesh", "scene", "periodic" }
 
 -- ---- a script ----
 

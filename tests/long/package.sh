@@ -40,7 +40,7 @@ echo "$said" | grep -q '^ *verdict  *ok' || fail "the verdict on a scene: $said"
 [ "$(inside 'hooke --version')" = "hooke $version" ] || fail "hooke --version"
 
 # The author's tools, and a compiler.
-install "./$(basename "$2") gcc pkg-config lua-argparse lua-cjson lua-filesystem"
+install "./$(basename "$2") gcc make pkg-config lua-argparse lua-cjson lua-filesystem"
 [ "$(inside 'pkg-config --modversion hooke')" = "$version" ] || fail "the version that pkg-config knows"
 [ "$(inside 'dpkg-query -W -f "\${Version} \${Architecture}" hooke')" = "$version $(dpkg --print-architecture)" ] || fail "the package's version"
 inside 'hooke plugins' >"$system/root/catalogue" || fail "hooke plugins ends with $?"
@@ -49,7 +49,8 @@ for source in plugins/forces/*.c plugins/solvers/*.c plugins/integrators/*.c plu
   grep -qw "$name" "$system/root/catalogue" || fail "the plugin $name is not in the catalogue"
 done
 inside 'hooke new force breeze && cc -shared -fPIC $(pkg-config --cflags hooke) breeze.c -o breeze.so &&
-  cc -shared -fPIC $(hooke --cflags) breeze.c -o again.so && hooke check ./breeze.so' || fail "a plugin built against hooke-dev"
+  cc -shared -fPIC $(hooke --cflags) breeze.c -o again.so && hooke check ./breeze.so && make test && mkdir "two words" &&
+  cd "two words" && hooke new service tally && make test' || fail "a plugin built against hooke-dev"
 
 inside 'dpkg -L hooke hooke-dev' | sort -u >"$system/root/packaged"
 apt purge -y hooke hooke-dev

@@ -35,16 +35,27 @@ static const char *options_of(const char *scene) {
   static const struct {
     const char *scene, *options;
   } coarse[] = {
-      {"cantilever", "n=10"},  {"card_house", "N=3 --dt 8e-5"},
-      {"cloth", "N=12"},       {"cloth_on_sphere", "N=21"},
-      {"curtain", "N=12"},     {"discretization", "N=8"},
-      {"dust", "N=20"},        {"folds", "N=5"},
-      {"galaxy", "N=2000"},    {"hair_methods", "strands=4"},
-      {"hourglass", "n=150"},  {"materials", "N=7 --trust"},
-      {"peirce", "N=10"},      {"rotating_sphere", "N=21"},
-      {"sand", "n=100"},       {"stack", "sheets=4"},
-      {"stiff_cloth", "N=12"}, {"tangled", "N=7"},
-      {"wind_cloth", "N=8"},   {"hair", "strands=6 segments=16"},
+      {"cantilever", "n=10"},
+      {"card_house", "N=3 --dt 8e-5"},
+      {"cloth", "N=12"},
+      {"cloth_on_sphere", "N=21"},
+      {"curtain", "N=12"},
+      {"discretization", "N=8"},
+      {"dust", "N=20"},
+      {"folds", "N=5"},
+      {"galaxy", "N=2000"},
+      {"granular_gas", "n=100"},
+      {"hair_methods", "strands=4"},
+      {"hourglass", "n=150"},
+      {"materials", "N=7 --trust"},
+      {"peirce", "N=10"},
+      {"rotating_sphere", "N=21"},
+      {"sand", "n=100"},
+      {"stack", "sheets=4"},
+      {"stiff_cloth", "N=12"},
+      {"tangled", "N=7"},
+      {"wind_cloth", "N=8"},
+      {"hair", "strands=6 segments=16"},
   };
   for (size_t k = 0; k < sizeof coarse / sizeof *coarse; k++)
     if (strcmp(coarse[k].scene, scene) == 0) return coarse[k].options;

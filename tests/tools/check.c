@@ -20,6 +20,12 @@ static void faults_of_contact_are_named(void **state) {
   right_and_wrong("contact", 14);
 }
 
+/* Its sums over all pairs are slow in large scenes, which have no part in this. */
+static void a_claim_to_know_periodic_boxes_is_tried(void **state) {
+  (void)state;
+  right_with_and_wrong("periodic", "--only periodic", 2, 1);
+}
+
 static void faults_of_histories_are_named(void **state) {
   (void)state;
   right_and_wrong("multistep", 7);
@@ -84,6 +90,7 @@ static void what_cannot_be_checked_is_said(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_claim_to_know_periodic_boxes_is_tried),
       cmocka_unit_test(faults_of_habits_are_named),
       cmocka_unit_test(faults_of_parts_are_named),
       cmocka_unit_test(faults_of_contact_are_named),

@@ -38,11 +38,12 @@ static inline bool says(const char *out, const char *sentence) {
   return false;
 }
 
-/* Tries every so many of the faults, of which there are `least` or more. */
-static inline void right_and_wrong_of(const char *name, size_t least, size_t every) {
+/* Tries every so many of the faults, of which there are `least` or more. `tried`: options with which the plugin without
+ * a fault is checked, "" for all of it. */
+static inline void right_with_and_wrong(const char *name, const char *tried, size_t least, size_t every) {
   char path[512], line[512], options[256];
   size_t count = 0;
-  compile_and_check(name, "NONE", "");
+  compile_and_check(name, "NONE", tried);
   if (r.code != 0) fail_msg("%s without a fault: exit %d: %s%s", name, r.code, r.out, r.err);
   snprintf(path, sizeof path, "%s/tests/fixtures/wrong/%s.txt", HK_ROOT, name);
   FILE *table = fopen(path, "r");
@@ -54,13 +55,17 @@ static inline void right_and_wrong_of(const char *name, size_t least, size_t eve
     property += strspn(property, " ");
     property[strcspn(property, "|") - 1] = 0;
     if (count++ % every != 0) continue;
-    snprintf(options, sizeof options, "--seconds 3 --only '%s'", property);
+    snprintf(options, sizeof options, "--seconds 12 --only '%s'", property);
     compile_and_check(name, bug, options);
     if (r.code != 1 || !says(r.out, sentence))
       fail_msg("%s, %s: exit %d, not '%s': %s%s", name, bug, r.code, sentence, r.out, r.err);
   }
   fclose(table);
   assert_true(count >= least);
+}
+
+static inline void right_and_wrong_of(const char *name, size_t least, size_t every) {
+  right_with_and_wrong(name, "", least, every);
 }
 
 #endif

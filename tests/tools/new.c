@@ -1,5 +1,6 @@
 /* hooke new: of every kind a plugin that compiles without a warning, passes its own test and hooke check; in the tree,
- * and out of it with an installed hooke, by --cflags and by pkg-config. What is written exists once. */
+ * and out of it with an installed hooke, by --cflags and by pkg-config, and by the Makefile that it writes, where paths
+ * have spaces too. What is written exists once. */
 #include "tests/support/command.h"
 
 #include <setjmp.h>
@@ -28,7 +29,8 @@ static void says(const char *arguments, int code, const char *text) {
 /* A shell command in the test's folder, with $H the hooke. */
 static void shell(const char *hooke, const char *command) {
   char all[4096];
-  snprintf(all, sizeof all, "cd '%s' && H='%s' && { %s; } >.said 2>&1 </dev/null", test_folder(), hooke, command);
+  snprintf(all, sizeof all, "cd '%s' && unset MAKEFLAGS && H='%s' && { %s; } >.said 2>&1 </dev/null", test_folder(),
+           hooke, command);
   if (system(all) == 0) return;
   snprintf(all, sizeof all, "cat '%s/.said'", test_folder());
   if (system(all) != 0) print_error("and what it said cannot be read\n");
@@ -43,10 +45,20 @@ static void every_kind_compiles_and_passes_its_test(void **state) {
   char command[512];
   for (size_t k = 0; k < KINDS; k++) {
     snprintf(command, sizeof command,
-             "$H new %s my_%s && " COMPILE "$($H --cflags) my_%s.c -o my_%s.so && $H run --trust my_%s.lua", kinds[k],
+             "$H new %s my_%s && for c in my_%s*.c; do " COMPILE
+             "$($H --cflags) $c -o ${c%%.c}.so || exit; done && $H run --trust my_%s.lua",
              kinds[k], kinds[k], kinds[k], kinds[k]);
     shell(HK_BUILD "/hooke", command);
   }
+}
+
+static void a_makefile_says_what_it_lacks_and_one_of_another_kind_is_kept(void **state) {
+  (void)state;
+  shell(HK_BUILD "/hooke", "mkdir -p other && cd other && echo 'all: mine' >Makefile && $H new force air >said && "
+                           "grep -q 'Makefile exists already and is left as it is' said && "
+                           "test \"$(cat Makefile)\" = 'all: mine' && rm Makefile && $H new output seen && "
+                           "! make HOOKE=/nowhere/hooke >said 2>&1 && "
+                           "grep -q \"'/nowhere/hooke' gives no flags of the compiler: put hooke into PATH\" said");
 }
 
 static void every_kind_passes_hooke_check(void **state) {
@@ -69,15 +81,16 @@ static void the_tests_fail_with_a_wrong_plugin(void **state) {
       {"integrator", "s/x\\[e\\] += h \\* v\\[e\\]/x[e] += 0.99 * h * v[e]/"},
       {"solver", "s/x\\[e\\] += step/x[e] -= step/"},
       {"output", "s/sum\\[0\\] \\/ mass/sum[0]/"},
+      {"service", "s/+ 2] < height/+ 1] < height/"},
   };
   char command[1024];
   for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
     const char *kind = wrong[k][0];
     snprintf(command, sizeof command,
-             "mkdir -p wrong && cd wrong && sed '%s' ../my_%s.c >my_%s.c && ! cmp -s ../my_%s.c my_%s.c && cp "
-             "../my_%s.lua . && cc -shared -fPIC $($H --cflags) my_%s.c -o my_%s.so && ! timeout 30 $H run --trust "
-             "my_%s.lua",
-             wrong[k][1], kind, kind, kind, kind, kind, kind, kind, kind);
+             "rm -rf wrong && mkdir wrong && cd wrong && cp ../my_%s* ../Makefile . && rm *.so && "
+             "sed '%s' ../my_%s.c >my_%s.c && ! cmp -s ../my_%s.c my_%s.c && make HOOKE=$H CFLAGS=-O1 && "
+             "! timeout 30 $H run --trust my_%s.lua && ! timeout 60 make HOOKE=$H CFLAGS=-O1 test",
+             kind, wrong[k][1], kind, kind, kind, kind, kind);
     shell(HK_BUILD "/hooke", command);
   }
 }
@@ -123,11 +136,12 @@ static void an_installed_hooke_has_all_that_plugins_need(void **state) {
             "test \"$(usr/bin/hooke --version)\" = \"hooke $(PKG_CONFIG_PATH=usr/lib/pkgconfig pkg-config --modversion "
             "hooke)\"");
   for (size_t k = 0; k < KINDS; k++) {
-    snprintf(command, sizeof command,
-             "$PWD/$H new %s out_%s && " COMPILE
-             "$(PKG_CONFIG_PATH=usr/lib/pkgconfig pkg-config --cflags hooke) out_%s.c "
-             "-o out_%s.so && $PWD/$H run --trust out_%s.lua",
-             kinds[k], kinds[k], kinds[k], kinds[k], kinds[k]);
+    snprintf(
+        command, sizeof command,
+        "$PWD/$H new %s out_%s && " COMPILE "$(PKG_CONFIG_PATH=usr/lib/pkgconfig pkg-config --cflags hooke) out_%s.c "
+        "-o out_%s.so && make HOOKE=\"$PWD/$H\" CFLAGS=-O1 out_%s.so $(ls out_%s_*.c 2>/dev/null | sed s/c$/so/) && "
+        "$PWD/$H run --trust out_%s.lua",
+        kinds[k], kinds[k], kinds[k], kinds[k], kinds[k], kinds[k], kinds[k]);
     shell("usr/bin/hooke", command);
   }
   shell("usr/bin/hooke", "case \"$($PWD/$H --cflags)\" in *\"$PWD/usr/include/hooke\"*) ;; *) exit 1; esac");
@@ -138,14 +152,32 @@ static void an_installed_hooke_has_all_that_plugins_need(void **state) {
                          "$PWD/$H run --trust by_name.lua");
 }
 
+/* One Makefile for all plugins of a folder, whose name and that of the installation have spaces: `make` builds, without
+ * a warning, `make test` passes for all of them, and nothing is built twice. */
+static void the_makefile_builds_and_tests_every_kind(void **state) {
+  (void)state;
+  char command[1024];
+  shell("", "mkdir -p 'my plugins' && cp -r usr 'an usr'");
+  for (size_t k = 0; k < KINDS; k++) {
+    snprintf(command, sizeof command, "cd 'my plugins' && \"../$H\" new %s my_%s | grep -q 'make test-my_%s'", kinds[k],
+             kinds[k], kinds[k]);
+    shell("an usr/bin/hooke", command);
+  }
+  shell("an usr/bin/hooke", "cd 'my plugins' && make \"HOOKE=../$H\" CFLAGS='-O1 -Wall -Wextra -Wpedantic -Werror' "
+                            "test >said && test $(grep -c 'properties hold' said) = 8 && "
+                            "make \"HOOKE=../$H\" -q all && rm -r \"../an usr\"");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_kind_compiles_and_passes_its_test),
       cmocka_unit_test(every_kind_passes_hooke_check),
+      cmocka_unit_test(a_makefile_says_what_it_lacks_and_one_of_another_kind_is_kept),
       cmocka_unit_test(the_tests_fail_with_a_wrong_plugin),
       cmocka_unit_test(what_cannot_be_made_is_said),
       cmocka_unit_test(a_scene_runs_and_says_what_to_do_next),
       cmocka_unit_test(an_installed_hooke_has_all_that_plugins_need),
+      cmocka_unit_test(the_makefile_builds_and_tests_every_kind),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
-/* NAME: the interface "NAME/1": how many particles lie below a height. Describe here what it serves. Plugins that use it
- * include the declaration of NAME_table; its name is its version: change the number when you change the table. */
-#include "core/plugin.h"
-
-typedef struct NAME_table {
-  void *self;
-  size_t (*below)(void *self, const hk_view *view, double height); /* particles with z < height, m */
-} NAME_table;
+/* NAME: how many particles lie below a height, for the plugins that include NAME.h. Describe here what it serves. */
+#include "NAME.h"
 
 typedef struct NAME {
   NAME_table table;
@@ -18,14 +12,14 @@ static size_t below(void *self, const hk_view *view, double height) {
   return count;
 }
 
-/* The answer to host->query("NAME/1"), after `create`; valid as long as the run. */
+/* Called after `create`. */
 static const void *table(void *self) {
   NAME *p = self;
   p->table = (NAME_table){p, below};
   return &p->table;
 }
 
-static const hk_service service = {.size = sizeof(hk_service), .interface = "NAME/1", .table = table};
+static const hk_service service = {.size = sizeof(hk_service), .interface = NAME_INTERFACE, .table = table};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

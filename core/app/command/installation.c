@@ -129,7 +129,14 @@ hk_status hk_installation_tool(const hk_installation *p, const char *name, char 
   return unknown_command(p, name, error);
 }
 
-/* ---- help ---- */
+/* ---- flags, help ---- */
+
+void hk_installation_flags(const hk_installation *p, const char *numbers) {
+  static const char special[] = " \t\n\"'\\$`&|;()<>*?[]{}!#~";
+  printf("-I");
+  for (const char *c = p->include; *c; c++) printf(strchr(special, *c) ? "\\%c" : "%c", *c);
+  printf(" %s\n", numbers);
+}
 
 /* The head of a tool, "-- hooke NAME ARGUMENTS: SUMMARY.": how it is called, and what it does. */
 static void print_tool(const hk_installation *p, const char *name) {

@@ -19,6 +19,9 @@ hk_status hk_installation_tool(const hk_installation *, const char *name, char *
 hk_status hk_installation_programs(hk_error *error);
 /* HK_BAD_PARAM: the list of folders, the value of that variable, has a relative one. */
 hk_status hk_installation_absolute(const char *variable, const char *list, hk_error *error);
+/* The flags with which a compiler builds plugins, on standard output: the folder of the headers and `numbers`. As
+ * pkg-config does, a backslash goes before what a shell, or a Makefile's, would take for more than a letter. */
+void hk_installation_flags(const hk_installation *, const char *numbers);
 void hk_installation_help(const hk_installation *); /* all commands and what they do, on standard output */
 
 #endif

@@ -354,7 +354,7 @@ int main(int argc, char **argv) {
     printf("hooke " HK_VERSION "\n");
     code = 0;
   } else if (strcmp(argv[1], "--cflags") == 0) {
-    printf("-I%s " HK_NUMBER_FLAGS "\n", p.include);
+    hk_installation_flags(&p, HK_NUMBER_FLAGS);
     code = 0;
   } else if (strcmp(argv[1], "run") == 0 && !is_watched(argc - 2, argv + 2))
     code = run_command(argc - 2, argv + 2, &registry, &p);

@@ -26,6 +26,9 @@ void hk_lua_name_functions(lua_State *L); /* `hooke` */
 void hk_lua_name_scene_methods(lua_State *L);
 void hk_lua_name_run_methods(lua_State *L);
 
+/* periodic.c */
+int hk_lua_scene_periodic(lua_State *L); /* scene:periodic{} */
+
 /* scene.c */
 void hk_lua_open_scene(lua_State *L);
 

@@ -384,7 +384,8 @@ static int start(lua_State *L) {
 
 static const luaL_Reg methods[] = {
     {"pin", pin},     {"channel", channel}, {"measure", measure},      {"on_frame", on_frame},
-    {"exact", exact}, {"start", start},     {"run", hk_lua_scene_run}, {NULL, NULL}};
+    {"exact", exact}, {"start", start},     {"run", hk_lua_scene_run}, {"periodic", hk_lua_scene_periodic},
+    {NULL, NULL}};
 
 static int no_assignment(lua_State *L) {
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene is changed by its functions only; more is given in hooke.scene { ... }");

@@ -40,6 +40,7 @@ static void set_force(lua_State *L, const hk_plugin *plugin) {
   hk_tool_set_flag(L, "on_t", f->flags & HK_DEPENDS_ON_T);
   hk_tool_set_flag(L, "momentum", f->flags & HK_CONSERVES_MOMENTUM);
   hk_tool_set_flag(L, "angular_momentum", f->flags & HK_CONSERVES_ANGULAR_MOMENTUM);
+  hk_tool_set_flag(L, "periodic", f->flags & HK_PERIODIC);
   hk_tool_set_flag(L, "symmetric", f->flags & HK_SYMMETRIC_JACOBIAN);
   hk_tool_set_flag(L, "power", f->flags & HK_POWER);
   hk_tool_set_flag(L, "offers_symmetric", f->flags & HK_OFFERS_SYMMETRIC);

@@ -31,6 +31,7 @@ typedef struct hk_dynamics hk_dynamics;
 typedef struct hk_constraints hk_constraints;         /* core/numerics/constraints */
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* core/numerics/implicit */
 typedef struct hk_saddle_point hk_saddle_point;
+typedef struct hk_asked_solver hk_asked_solver; /* core/numerics/matrix */
 
 typedef struct hk_counts {
   size_t evaluations, jacobians, factorizations, linear_iterations;
@@ -95,6 +96,7 @@ struct hk_dynamics {
   hk_instance *solver;         /* NULL: the run solves no linear systems, or those of `special` alone */
   hk_instance *special;        /* the solver for matrices of a kind, which is preferred where it fits; or NULL */
   hk_plugin_spec *solver_spec, *special_spec; /* specs of solvers that the run has chosen */
+  hk_asked_solver *asked;                     /* what plugins solve systems of their own with; NULL: none does */
 };
 
 /* ---- system.c ---- */

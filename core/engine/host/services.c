@@ -14,8 +14,16 @@ static hk_instance *instance_of(const hk_host *host) {
   return u.instance;
 }
 
+/* Who called the function of a service that fails; NULL: the host, or it is not known. */
+static const hk_instance *asker_of(const hk_instance *service) {
+  const hk_instance *volatile *acting = service->shared->acting;
+  const hk_instance *asker = acting && service->plugin->kind == HK_SERVICE ? *acting : NULL;
+  return asker == service ? NULL : asker;
+}
+
 static hk_status host_fail(const hk_host *host, hk_status status, const char *format, ...) {
   hk_instance *instance = instance_of(host);
+  const hk_instance *asker = asker_of(instance);
   char text[900];
   va_list arguments;
   va_start(arguments, format);
@@ -24,6 +32,9 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
   if (!*text) snprintf(text, sizeof text, "it failed without saying why");
   const char *separator = *instance->where ? ": " : "";
   hk_error *error = instance->shared->error;
+  if (asker)
+    return hk_error_set(error, status, "%s%s%s: %s: %s", asker->where, *asker->where ? ": " : "", asker->label,
+                        instance->label, text);
   /* the message of an earlier attempt is replaced by that of the last one */
   if (instance->plugin->kind == HK_INTEGRATOR && error->status != HK_OK) {
     hk_error before = *error;

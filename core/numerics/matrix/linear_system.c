@@ -20,7 +20,7 @@
  * on, half at 30,000, and ten sheets of 78,000 had no factors after a minute. */
 enum { LARGE = 300000, LARGE_IN_CONTACT = 10000 };
 
-static const double asymmetry_limit = 1e-10; /* relative to the largest number of the matrix; above rounding errors */
+const double hk_asymmetry_limit = 1e-10; /* above rounding errors */
 
 /* ---- choice ---- */
 
@@ -162,8 +162,8 @@ static size_t find(const hk_matrix *A, size_t row, uint32_t column) {
   return low < end && A->column[low] == column ? low : SIZE_MAX;
 }
 
-/* Largest |A - A^T| relative to the largest |A|; NaN counts as 0, since the solver detects it. */
-static double asymmetry(const hk_matrix *A) {
+/* NaN counts as 0, since the solver detects it. */
+double hk_matrix_asymmetry(const hk_matrix *A) {
   size_t b = A->block, bb = b * b;
   double largest = 0, difference = 0;
   for (size_t r = 0; r < A->rows; r++)
@@ -190,8 +190,8 @@ static const char *unsymmetric_force(const hk_dynamics *d) {
 
 static hk_status check_symmetry(hk_dynamics *d, const hk_instance *solver, const hk_matrix *A) {
   if (A->symmetric || solver->plugin->solver->flags & HK_SOLVES_UNSYMMETRIC) return HK_OK;
-  double found = asymmetry(A);
-  if (!(found > asymmetry_limit)) return HK_OK;
+  double found = hk_matrix_asymmetry(A);
+  if (!(found > hk_asymmetry_limit)) return HK_OK;
   const char *force = unsymmetric_force(d), *integrator = hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name;
   return hk_error_set(d->error, HK_FAILED,
                       "solver '%s' takes symmetric matrices only, and %s's differs from its transpose by %.2g of its "
@@ -211,16 +211,12 @@ static hk_status analyze(hk_instance *solver, const hk_matrix *A) {
   return hk_leave_with(solver, outer, "analyze", functions->analyze ? functions->analyze(solver->self, A) : HK_OK);
 }
 
-hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
-  uint64_t pattern = A->pattern ? A->pattern : hk_pattern_number(A->rows, A->block, A->row_start, A->column);
-  bool known = linear->analyzed && pattern == linear->pattern;
-  hk_status status = known ? HK_OK : hk_linear_system_choose(d, linear, A);
+hk_status hk_linear_system_factors(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A, uint64_t pattern) {
   hk_instance *solver = linear->solver;
-  if (status == HK_OK) status = check_symmetry(d, solver, A);
-  if (status == HK_OK) status = set_time(d, solver);
+  hk_status status = set_time(d, solver);
   if (status != HK_OK) return status;
   double begin = hk_clock();
-  if (!known) {
+  if (!linear->analyzed || pattern != linear->pattern) {
     linear->analyzed = false;
     status = analyze(solver, A);
     if (status != HK_OK) return status;
@@ -236,6 +232,15 @@ hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, c
   d->count.factorizations++;
   d->count.special_factorizations += is_special(solver->plugin);
   return status;
+}
+
+hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
+  uint64_t pattern = A->pattern ? A->pattern : hk_pattern_number(A->rows, A->block, A->row_start, A->column);
+  bool known = linear->analyzed && pattern == linear->pattern;
+  hk_status status = known ? HK_OK : hk_linear_system_choose(d, linear, A);
+  linear->analyzed = known;
+  if (status == HK_OK) status = check_symmetry(d, linear->solver, A);
+  return status == HK_OK ? hk_linear_system_factors(d, linear, A, pattern) : status;
 }
 
 hk_status hk_linear_system_solve(hk_dynamics *d, hk_linear_system *linear, const double *b, double *x,

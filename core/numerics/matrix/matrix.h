@@ -61,8 +61,22 @@ hk_status hk_linear_system_choose(hk_dynamics *, hk_linear_system *, const hk_ma
 hk_status hk_solver_twins(hk_dynamics *, hk_linear_system *);
 /* Analyses A when its pattern differs from the last one, then factorizes it. */
 hk_status hk_linear_system_factorize(hk_dynamics *, hk_linear_system *, const hk_matrix *A);
+/* The same with the solver in use, for a pattern of that number. */
+hk_status hk_linear_system_factors(hk_dynamics *, hk_linear_system *, const hk_matrix *A, uint64_t pattern);
+/* Largest |A - A^T| relative to the largest |A|: more than hk_asymmetry_limit is more than rounding. NaN counts as 0.
+ */
+double hk_matrix_asymmetry(const hk_matrix *A);
+extern const double hk_asymmetry_limit;
 hk_status hk_linear_system_solve(hk_dynamics *, hk_linear_system *, const double *b, double *x,
                                  hk_solve_info *info); /* info: or NULL */
 hk_status hk_linear_system_solve_columns(hk_dynamics *, hk_linear_system *, const double *b, double *x, size_t columns);
+
+/* ---- asked_solvers.c: linear systems of other plugins, "solvers/1" (core/plugin/solver.h) ---- */
+
+/* The table of the run; `scene`: the solver that was asked for, or NULL. NULL: no memory. */
+const hk_solvers *hk_asked_solvers(hk_dynamics *, const hk_plugin_spec *scene);
+void hk_asked_solvers_forget(
+    hk_dynamics *); /* the next matrices are analysed anew, as by a run that goes on from here */
+void hk_asked_solvers_close(hk_dynamics *);
 
 #endif

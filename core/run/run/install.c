@@ -49,6 +49,8 @@ hk_status hk_install_solvers(hk_dynamics *d, const hk_instance *integrator, cons
 
 hk_status hk_install_chosen_solver(hk_dynamics *d) { return hk_solver_choose(d); }
 
+const void *hk_install_asked_solvers(hk_dynamics *d, const hk_plugin_spec *scene) { return hk_asked_solvers(d, scene); }
+
 hk_status hk_install_sources(hk_loop *loop) {
   if (loop->plugins->kind[HK_SOURCE].count == 0) return HK_OK;
   loop->population = hk_population_open(loop->state);
@@ -57,6 +59,7 @@ hk_status hk_install_sources(hk_loop *loop) {
 }
 
 void hk_install_close(hk_dynamics *d, hk_loop *loop) {
+  hk_asked_solvers_close(d);
   hk_saddle_point_close(d);
   hk_constraints_close(d);
   hk_jacobian_close(d);

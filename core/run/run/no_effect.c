@@ -181,6 +181,40 @@ static void warn_of_loose(hk_run *run) {
             hk_scene_place_of(run->scene, first), loose, first);
 }
 
+/* ---- periodic boxes ---- */
+
+static unsigned flags_of(const hk_plugin *plugin) {
+  if (plugin->kind == HK_FORCE) return plugin->force->flags;
+  return plugin->kind == HK_CONSTRAINT ? plugin->constraint->flags : plugin->corrector->flags;
+}
+
+/* What it does is the same wherever the images of a particle are: see HK_PERIODIC. */
+static bool needs_no_images(const hk_plugin *plugin) {
+  if (plugin->kind == HK_FORCE && !(plugin->force->flags & HK_DEPENDS_ON_X)) return true;
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (hk_param_arity(p) > 1) return true;
+  return false;
+}
+
+static void warn_without_images(hk_run *run) {
+  bool across = false;
+  for (int kind = 0; kind < ACTING_KINDS; kind++)
+    for (size_t k = 0; k < run->plugins.kind[acting_kinds[kind]].count; k++) {
+      const hk_plugin_spec *spec = run->plugins.kind[acting_kinds[kind]].item[k]->spec;
+      bool knows = flags_of(spec->plugin) & HK_PERIODIC;
+      across |= knows;
+      if (knows || needs_no_images(spec->plugin)) continue;
+      hk_warn(&run->warnings,
+              "%s%s%s knows no periodic box: it acts on particles where they are, which may be outside of the box, and "
+              "not on their images",
+              spec->where, before_text(spec), spec->label);
+    }
+  if (!across)
+    hk_warn(&run->warnings,
+            "the periodic box has no effect: no plugin of the scene acts across its faces; leave it out, "
+            "or add a force between particles that are near each other");
+}
+
 /* ---- */
 
 void hk_warn_of_no_effect(hk_run *run) {
@@ -191,4 +225,5 @@ void hk_warn_of_no_effect(hk_run *run) {
   warn_of_repeated(run);
   warn_of_empty_pins(run);
   warn_of_loose(run);
+  if (run->state.model.box) warn_without_images(run);
 }

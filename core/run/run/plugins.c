@@ -1,5 +1,6 @@
 /* The plugins of a run: an instance of each that the scene names or the command line adds, the services that they ask
  * for, which come into being at the first request, and their start, in an order in which each finds what it needs. */
+#include "core/run/run/install.h"
 #include "core/run/run/run.h"
 
 #include <stdlib.h>
@@ -103,6 +104,7 @@ const void *hk_run_query(void *context, const char *wanted) {
   if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
   if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
   if (strcmp(wanted, "strands/1") == 0) return &run->scene->strands;
+  if (strcmp(wanted, "solvers/1") == 0) return hk_install_asked_solvers(&run->dynamics, run->overrides.solver);
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);

@@ -39,9 +39,10 @@ static hk_status find_origin(hk_run *run) {
 }
 
 /* The factors of constraints follow from (x, t): they are made anew here as by a run that goes on from the point, so
- * that both count the same. */
+ * that both count the same. So are the patterns of systems of other plugins, as a solver may analyse the values too. */
 static hk_status take(hk_run *run, hk_checkpoint *point) {
   hk_constraints_forget(&run->dynamics);
+  hk_asked_solvers_forget(&run->dynamics);
   return hk_checkpoint_take(point, &run->loop, &run->judgement, run->saving.origin, run->options.words, &run->error);
 }
 

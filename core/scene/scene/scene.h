@@ -49,6 +49,7 @@ typedef struct hk_scene {
   hk_particles particles;
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
+  hk_periodic_box box;       /* repeats along no axis: space is open */
   hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
   bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
@@ -106,6 +107,12 @@ const hk_plugin_spec *hk_scene_one(const hk_scene *,
 
 /* param.c: the plugin's parameter by name; NULL: unknown, and `error` suggests the nearest name. */
 const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const char *name, hk_error *error);
+
+/* ---- box.c ---- */
+
+/* HK_BAD_PARAM: a length that is not positive, or no axis among "x", "xy", ... */
+hk_status hk_scene_set_box(hk_scene *, const double low[3], const double high[3], const char *axes, hk_error *error);
+bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 
 /* ---- place.c: lines of the script, for messages ---- */
 

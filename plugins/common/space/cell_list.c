@@ -56,7 +56,7 @@ static hk_status reserve_pairs(hk_cell_list *l, const hk_host *host, size_t pair
 typedef struct build {
   hk_cell_list *list;
   const double *x;
-  size_t n;
+  size_t n, rows; /* points; those that have rows */
   hk_cell_grid grid;
   double reach2; /* m^2 */
 } build;
@@ -170,10 +170,13 @@ static size_t count_piece(const build *b, size_t k, size_t begin, size_t end) {
 static void count_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const build *b = context;
   surroundings around;
+  size_t looked = SIZE_MAX; /* the last point with a row */
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
     size_t count = 0;
-    if (k == begin || !same_cell(b, k, k - 1)) look_around(b, k, &around);
+    if (b->list->order.point[k] >= b->rows) continue;
+    if (looked == SIZE_MAX || !same_cell(b, k, looked)) look_around(b, k, &around);
+    looked = k;
     for (int p = 0; p < around.count; p++) count += count_piece(b, k, around.begin[p], around.end[p]);
     b->list->row_start[b->list->order.point[k] + 1] = count - 1; /* without the point itself */
   }
@@ -277,9 +280,13 @@ static void fill_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const build *b = context;
   surroundings around;
   candidates near;
+  size_t looked = SIZE_MAX;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    if (k == begin || !same_cell(b, k, k - 1)) {
+    if (b->list->order.point[k] >= b->rows) continue;
+    bool known = looked != SIZE_MAX && same_cell(b, k, looked);
+    looked = k;
+    if (!known) {
       look_around(b, k, &around);
       near.count = 0;
       if (crowded(b, k) && around.points <= CANDIDATES) gather_candidates(b, &around, &near);
@@ -302,7 +309,12 @@ static void find_rows(build *b, const hk_host *host, double reach) {
 }
 
 hk_status hk_cell_list_build(hk_cell_list *l, const hk_host *host, const double *x, size_t n, double reach) {
-  build b = {.list = l, .x = x, .n = n, .reach2 = reach * reach};
+  return hk_cell_list_build_first(l, host, x, n, n, reach);
+}
+
+hk_status hk_cell_list_build_first(hk_cell_list *l, const hk_host *host, const double *x, size_t n, size_t rows,
+                                   double reach) {
+  build b = {.list = l, .x = x, .n = n, .rows = rows, .reach2 = reach * reach};
   l->n = 0;
   hk_status status = hk_cell_list_reserve(l, host, n);
   if (status != HK_OK) return status;

@@ -22,6 +22,9 @@ hk_status hk_cell_list_reserve(hk_cell_list *, const hk_host *, size_t n);
 /* Computes the rows for the points x (n x 3, finite); reach: 0, or from 1e-150 to 1e150 m. Memory is allocated only
  * when there are more points or pairs than ever before. HK_NO_MEMORY: there are no rows, n is 0. */
 hk_status hk_cell_list_build(hk_cell_list *, const hk_host *, const double *x, size_t n, double reach);
+/* The rows of the first `rows` points alone, among all; those of the others are empty. */
+hk_status hk_cell_list_build_first(hk_cell_list *, const hk_host *, const double *x, size_t n, size_t rows,
+                                   double reach);
 void hk_cell_list_free(hk_cell_list *, const hk_host *);
 
 #endif

@@ -11,6 +11,7 @@ local habits = require("common.check.force.habits")
 local internal = require("common.check.force.internal")
 local large = require("common.check.force.large")
 local parts = require("common.check.force.parts")
+local periodic = require("common.check.force.periodic")
 local population = require("common.check.force.population")
 local repeats = require("common.check.force.repeats")
 
@@ -38,6 +39,7 @@ return function(plugin, report)
   if not found[1] then return fine end
   plugin.accepted = found[1].accepted
   plugin.has, plugin.on_y = found[1].has, found[1].flags & DEPENDS_ON_CHANNELS ~= 0
+  plugin.flags = found[1].flags
   plugin.stiffens = found[1].flags & STIFFENS ~= 0
   for _, property in ipairs(habits.list) do
     report:try(property[1], function(lines) property[2](plugin, lines) end)
@@ -50,6 +52,7 @@ return function(plugin, report)
   internal.try(plugin, report)
   contact.try(plugin, report)
   parts.try(plugin, report)
+  periodic.try(plugin, report)
   population.try(plugin, report)
   large.try(plugin, report)
 end

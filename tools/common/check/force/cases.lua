@@ -201,7 +201,7 @@ local function particles_of(scene, shape)
 end
 
 -- The run of a case at its start; or nil and the reason of its refusal. options: threads, only, allocations,
--- integrator (which chooses its steps), to.
+-- integrator (which chooses its steps), to, box (m: the length of a cube that repeats).
 function cases.open(plugin, case, options)
   options = options or {}
   local scene
@@ -215,6 +215,7 @@ function cases.open(plugin, case, options)
     scene:channel("heat", { initial = 0.4 })
     scene:channel("radius", { initial = 0.3 }) -- the channel by which forces know a size
     particles_of(scene, case.shape)
+    if options.box then scene:periodic { high = { options.box, options.box, options.box } } end
     local params = { label = "checked", only = options.only }
     for name, value in pairs(case.setting.values) do
       if value == MADE then
