@@ -273,6 +273,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch(registry);
     o.run.disturbed = hk_settings_watch();
+    o.run.thread_ended = hk_settings_thread_ended;
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;

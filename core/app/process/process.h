@@ -62,6 +62,8 @@ int hk_faults_leave(int code);
 /* Notes what is set now, after hk_faults_watch: the returned function compares, puts right what differs and says it
  * (hk_run_options.disturbed). Files it leaves to faults.c. */
 const char *(*hk_settings_watch(void))(void);
+/* hk_run_options.thread_ended: looks at the modes of the thread at hand, for that function to say. */
+void hk_settings_thread_ended(void);
 
 /* ---- keep.c: the last good state of a run, in a file without a name, from which a new process writes the state table
  * after a crash ---- */

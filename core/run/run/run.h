@@ -42,6 +42,7 @@ typedef struct hk_run_options {
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
   const char *(*disturbed)(void);           /* hk_shared.disturbed, also asked at frames; NULL: nobody looks */
+  void (*thread_ended)(void);               /* hk_threads_watch of the run's threads */
   /* Is given the last good state at every frame; NULL: nobody wants it. */
   void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
   void *kept_context;

@@ -102,7 +102,11 @@ hk_status hk_sundials_open(hk_sundials *m, const hk_host *host, const hk_view *v
   hk_status status = hk_channels_open(&m->rates, host, view);
   if (status != HK_OK) return status;
   m->channel = host->allocate(host, (m->rates.width + 1) * sizeof *m->channel);
-  if (!m->channel || make_context(m) != 0) return no_memory(m, size);
+  if (!m->channel) return no_memory(m, size);
+  if (make_context(m) != 0) {
+    m->context = NULL; /* one that is half made: SUNContext_Free of SUNDIALS 6 would crash */
+    return no_memory(m, size);
+  }
   m->X = hk_sundials_vector(size, m->state, m->context);
   if (!m->X) return no_memory(m, size);
   if (m->preconditioner == HK_PRECONDITION_BLOCK_JACOBI) {
