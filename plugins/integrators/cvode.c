@@ -117,8 +117,8 @@ static void destroy(void *self, const hk_host *host) {
   hk_sundials_close(&m->sundials);
 }
 
-/* A CVodeInit that fails has freed its vectors, and CVodeFree of SUNDIALS 6 would free them again: only the memory's own
- * block, which holds nothing else yet, is freed then. */
+/* A CVodeInit that fails has freed its vectors, and CVodeFree of SUNDIALS 6 would free them again: only the memory's
+ * own block, which holds nothing else yet, is freed then. */
 static hk_status start_memory(cvode *m, double t) {
   hk_sundials *s = &m->sundials;
   int flag = CV_SUCCESS;

@@ -1,7 +1,7 @@
 /* What holds for all of the process, and plugins may not leave changed: how the processor rounds, what it does with
  * numbers too small for full precision, whether it traps, and what happens at signals. After a change of them a crash
- * is mute, Ctrl-C is dead, or every number is a bit wrong. Each of hooke's threads has modes of its own, and looks at them
- * after its part of a loop; the first one asks what they have found. */
+ * is mute, Ctrl-C is dead, or every number is a bit wrong. Each of hooke's threads has modes of its own, and looks at
+ * them after its part of a loop; the first one asks what they have found. */
 #include "core/app/process/process.h"
 
 #include <stdatomic.h>

@@ -29,7 +29,7 @@ struct hk_threads {
   atomic_bool stop;
   atomic_bool taken; /* a loop is under way */
   void (*after)(void);
-  loop_body body;    /* of that loop, as what follows: written while no chunk of it is taken */
+  loop_body body; /* of that loop, as what follows: written while no chunk of it is taken */
   void *context;
   size_t total, grain, chunks;
   size_t calls, in_vain; /* loops since sleeping workers were woken; how many go by, as these came too late */

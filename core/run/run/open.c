@@ -46,6 +46,7 @@ static hk_status open_shared(hk_run *run) {
   if (!run->shared.threads) return hk_error_set(&run->error, HK_FAILED, "cannot start %d threads", threads);
   hk_threads_watch(run->shared.threads, run->options.thread_ended);
   run->folder = hk_folder_open(run->options.out, scene->name, &run->error);
+  if (run->folder) hk_folder_spare(run->folder, run->options.taken);
   return run->folder ? HK_OK : run->error.status;
 }
 
