@@ -53,6 +53,12 @@ static void faults_of_trees_of_boxes_are_named(void **state) {
   right_and_wrong("bvh", 5);
 }
 
+static void faults_of_services_that_keep_are_named(void **state) {
+  (void)state;
+  right_and_wrong("grip", 10);
+  right_and_wrong("obstacles", 8);
+}
+
 /* Of a force that is infinite by itself no part is suspected, and what a fixture does wrong on purpose is all that is
  * found: see their heads. */
 static void no_fault_is_found_that_is_none(void **state) {
@@ -89,12 +95,19 @@ static void what_cannot_be_checked_is_said(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(no_fault_is_found_that_is_none),     cmocka_unit_test(faults_of_habits_are_named),
-      cmocka_unit_test(faults_of_parts_are_named),          cmocka_unit_test(faults_of_contact_are_named),
-      cmocka_unit_test(faults_of_histories_are_named),      cmocka_unit_test(faults_of_adaptive_methods_are_named),
-      cmocka_unit_test(faults_of_tiles_are_named),          cmocka_unit_test(faults_of_implicit_methods_are_named),
-      cmocka_unit_test(faults_of_neighbours_are_named),     cmocka_unit_test(faults_of_octrees_are_named),
-      cmocka_unit_test(faults_of_trees_of_boxes_are_named), cmocka_unit_test(what_cannot_be_checked_is_said),
+      cmocka_unit_test(faults_of_services_that_keep_are_named),
+      cmocka_unit_test(no_fault_is_found_that_is_none),
+      cmocka_unit_test(faults_of_habits_are_named),
+      cmocka_unit_test(faults_of_parts_are_named),
+      cmocka_unit_test(faults_of_contact_are_named),
+      cmocka_unit_test(faults_of_histories_are_named),
+      cmocka_unit_test(faults_of_adaptive_methods_are_named),
+      cmocka_unit_test(faults_of_tiles_are_named),
+      cmocka_unit_test(faults_of_implicit_methods_are_named),
+      cmocka_unit_test(faults_of_neighbours_are_named),
+      cmocka_unit_test(faults_of_octrees_are_named),
+      cmocka_unit_test(faults_of_trees_of_boxes_are_named),
+      cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,7 +42,8 @@ refused("return { " .. sizes .. "{ 'ball' } }", "'ball' has no moment")
 refused("return { " .. sizes .. "{ '../..', at = 1 } }", "'../..' is no scene")
 refused("return { " .. sizes .. "{ 'ball', at = 1 }, { '../elsewhere/ball', at = 1 } }", "ball stands twice")
 refused("return { " .. sizes .. "{ 'ball', at = 1, param = { ['--trust'] = 1 } } }", "is no name = value")
-refused("return { " .. sizes .. "{ 'ball', at = 1 }, film = { 'ball', at = 1, width = '1;touch x', fps = 1 } }", "film needs a width and fps")
+refused("return { " .. sizes .. "{ 'ball', at = 1 }, film = { 'ball', at = 1, width = '1;touch x', fps = 1 } }",
+  "film needs a width and fps")
 assert(not shell("test -e stolen"))
 
 -- ---- its scenes ----

@@ -35,7 +35,7 @@ static const struct meddling {
 
 enum { MEDDLINGS = sizeof meddling / sizeof *meddling };
 
-static const char *options = "";
+static const char *further = "";
 
 static void try(const char *how, const char *when, const char *begins, const char *says) {
   char scene[1024];
@@ -46,7 +46,7 @@ static void try(const char *how, const char *when, const char *begins, const cha
            HK_BUILD, how, when);
   test_write("bad.lua", scene);
   char words[128];
-  snprintf(words, sizeof words, "run bad.lua --trust --quiet --no-output %s", options);
+  snprintf(words, sizeof words, "run bad.lua --trust --quiet --no-output %s", further);
   test_hooke(&r, NULL, words);
   if (r.code != 2 || !strstr(r.err, begins) || !strstr(r.err, says))
     fail_msg("%s, %s: exit %d: %s", how, when, r.code, r.err);
@@ -72,14 +72,14 @@ static void what_a_plugin_changes_later_is_seen_at_the_frame(void **state) {
 /* Modes belong to threads. The first two of the list are signals, which do not; a trap may end the thread before. */
 static void what_a_plugin_changes_in_another_thread_is_seen(void **state) {
   (void)state;
-  options = "--threads 2";
+  further = "--threads 2";
   for (size_t k = 2; k < MEDDLINGS; k++)
     try(meddling[k].how, "where = 'thread'", "hooke: bad.lua:3: meddler: the plugin has left", meddling[k].says);
   for (size_t k = 2; k < MEDDLINGS - 1; k++) {
     try(meddling[k].how, "where = 'thread', at = 0.255", "hooke: a plugin of this run has left", meddling[k].says);
     if (!strstr(r.err, "by the frame at t = 0.3")) fail_msg("%s: %s", meddling[k].how, r.err);
   }
-  options = "";
+  further = "";
 }
 
 /* A trap ends hooke or the plugin that is then at work, if the frame does not come first. A sanitizer reports it
