@@ -24,7 +24,7 @@ static const double nothing = 1e-9;
 static const double components = 1.7320508075688772;
 static const double rounding = 16 * DBL_EPSILON; /* errors below this part of the largest number do not count */
 
-enum { RECOVERABLE = 1, FATAL = -1 };
+enum { RECOVERABLE = 1, FATAL = -1, MEM_FAIL = -20 /* CV_MEM_FAIL and ARK_MEM_FAIL */ };
 
 /* ---- errors ---- */
 
@@ -77,7 +77,7 @@ hk_status hk_sundials_stuck(hk_sundials *m) {
 
 hk_status hk_sundials_failed(hk_sundials *m, int flag, bool rates) {
   if (is_fatal(m->status) || (rates && m->status != HK_OK)) return m->status;
-  if (hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
+  if (flag == MEM_FAIL || hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
   return m->host->fail(m->host, HK_NOT_CONVERGED,
                        "no step from t = %.17g s meets the tolerance %g (SUNDIALS, %d: %s); give a larger tol, or look "
                        "for a force that jumps",

@@ -42,7 +42,7 @@ local function fault(whole, r, crashes)
   if r.code == whole.code then
     return not same(r.state, whole.state) and "another state, without a word in its exit code" or nil
   end
-  if not ({ true, true, true, true })[r.code] then return "it ended by itself" end
+  if not ({ true, true, false, true })[r.code] then return "it ended by itself" end
   if not r.err:find("hooke: ", 1, true) then return "no word of why" end
   if r.err:find("crashed", 1, true) and not (crashes and r.err:find(("'%s' crashed"):format(crashes), 1, true)) then
     return "a crash"
