@@ -248,9 +248,10 @@ static hk_status check_places(const soft_spheres *s, const hk_view *view) {
 
 /* Radii of a channel may change, and be others after a checkpoint was read. */
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
-  const soft_spheres *s = self;
+  soft_spheres *s = self;
   (void)x_to, (void)pattern_changed;
   hk_status status = hk_spheres_check(&s->spheres, from);
+  if (status == HK_OK) status = hk_grain_history_check(&s->history, from);
   return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
                          : status;
 }
@@ -290,8 +291,8 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     hk_crowd around = hk_crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
     hk_grain_bound one = hk_grain_stiffness(&s->law, part, m * heaviest / (m + heaviest));
     double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
-    double now = fmax(one.along, one.across) * (double)touching(&t, i);
-    sum = known ? 2 * fmax(sum, now) : INFINITY;
+    double now = known ? fmax(one.along, one.across) * (double)touching(&t, i) : INFINITY;
+    sum = 2 * fmax(sum, now);
     for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += sum;
   }
 }
@@ -333,7 +334,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
   const soft_spheres *s = self;
   const hk_grain_touch *touch = s->history.touches.item;
-  for (int64_t k = 0; k < s->history.count; k++) {
+  for (int64_t k = 0; s->history.whole && k < s->history.count; k++) {
     if (touch[k].self >= touch[k].other) continue;
     size_t i = hk_model_find(view->model, touch[k].self), j = hk_model_find(view->model, touch[k].other);
     double R = hk_sphere_radius(&s->spheres, view, i), at[3], n[3];

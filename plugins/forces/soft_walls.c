@@ -233,8 +233,10 @@ static double longest_step(void *self, const hk_view *view) {
 /* ---- the plugin ---- */
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
+  soft_walls *s = self;
   (void)x_to, (void)pattern_changed;
-  return hk_spheres_check(&((const soft_walls *)self)->spheres, from);
+  hk_status status = hk_spheres_check(&s->spheres, from);
+  return status == HK_OK ? hk_grain_history_check(&s->history, from) : status;
 }
 
 static hk_status topology(void *self, const hk_view *view) {

@@ -16,6 +16,7 @@
 #include <complex.h>
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
@@ -99,9 +100,6 @@ static int set_options(cvode *m) {
   hk_sundials *s = &m->sundials;
   int order = m->max_order > 0 ? (int)m->max_order : m->method == BDF ? 5 : 12;
   int flag = CVodeSetUserData(m->memory, s);
-#if SUNDIALS_VERSION_MAJOR < 7
-  if (flag == 0) flag = CVodeSetErrHandlerFn(m->memory, hk_sundials_hear, s);
-#endif
   if (flag == 0) flag = CVodeWFtolerances(m->memory, hk_sundials_weights);
   if (flag == 0) flag = CVodeSetMaxOrd(m->memory, order);
   if (flag == 0 && m->method == BDF) flag = CVodeSetStabLimDet(m->memory, m->stability_detection);
@@ -119,6 +117,22 @@ static void destroy(void *self, const hk_host *host) {
   hk_sundials_close(&m->sundials);
 }
 
+/* A CVodeInit that fails has freed its vectors, and CVodeFree of SUNDIALS 6 would free them again: only the memory's
+ * own block, which holds nothing else yet, is freed then. */
+static hk_status start_memory(cvode *m, double t) {
+  hk_sundials *s = &m->sundials;
+  int flag = CV_SUCCESS;
+#if SUNDIALS_VERSION_MAJOR < 7
+  flag = CVodeSetErrHandlerFn(m->memory, hk_sundials_hear, s);
+#endif
+  if (flag == CV_SUCCESS) flag = CVodeInit(m->memory, hk_sundials_rates, t, s->X);
+  if (flag == CV_MEM_FAIL) {
+    free(m->memory);
+    m->memory = NULL;
+  }
+  return hk_sundials_setup(s, flag);
+}
+
 static hk_status set_up(cvode *m, const hk_host *host, const hk_view *view) {
   hk_sundials *s = &m->sundials;
   destroy(m, host);
@@ -130,7 +144,7 @@ static hk_status set_up(cvode *m, const hk_host *host, const hk_view *view) {
   m->weight = N_VClone(s->X);
   if (!m->memory || !m->error || !m->weight || hk_sundials_vector_failed(s->X))
     return host->fail(host, HK_NO_MEMORY, "no memory for CVODE");
-  status = hk_sundials_setup(s, CVodeInit(m->memory, hk_sundials_rates, view->t, s->X));
+  status = start_memory(m, view->t);
   if (status == HK_OK) status = hk_sundials_setup(s, set_options(m));
   return status == HK_OK ? attach_solver(m) : status;
 }

@@ -66,6 +66,26 @@ static void faults_of_trees_of_boxes_are_named(void **state) {
   right_and_wrong("bvh", 5);
 }
 
+static void faults_of_services_that_keep_are_named(void **state) {
+  (void)state;
+  right_and_wrong("grip", 10);
+  right_and_wrong("obstacles", 8);
+}
+
+/* Of a force that is infinite by itself no part is suspected, and what a fixture does wrong on purpose is all that is
+ * found: see their heads. */
+static void no_fault_is_found_that_is_none(void **state) {
+  (void)state;
+  test_hooke(&r, NULL, "check " HK_BUILD "/tests/fixtures/burst.so --only 'its parts'");
+  if (r.code != 0) fail_msg("burst: exit %d: %s%s", r.code, r.out, r.err);
+  test_hooke(&r, NULL, "check " HK_BUILD "/tests/fixtures/weak_central.so");
+  if (r.code != 0) fail_msg("weak_central: exit %d: %s%s", r.code, r.out, r.err);
+  test_hooke(&r, NULL, "check " HK_BUILD "/tests/fixtures/latch.so");
+  const char *first = strstr(r.out, "  WRONG ");
+  if (r.code != 1 || !says(r.out, "the latch broke in function 1") || !first || strstr(first + 1, "  WRONG "))
+    fail_msg("latch: exit %d: %s%s", r.code, r.out, r.err);
+}
+
 static void what_cannot_be_checked_is_said(void **state) {
   (void)state;
   char arguments[1024];
@@ -91,6 +111,8 @@ static void what_cannot_be_checked_is_said(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_claim_to_know_periodic_boxes_is_tried),
+      cmocka_unit_test(faults_of_services_that_keep_are_named),
+      cmocka_unit_test(no_fault_is_found_that_is_none),
       cmocka_unit_test(faults_of_habits_are_named),
       cmocka_unit_test(faults_of_parts_are_named),
       cmocka_unit_test(faults_of_contact_are_named),

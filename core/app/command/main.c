@@ -109,20 +109,15 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   return closed;
 }
 
-/* Before the run, which may take hours: a file that cannot be written is said now. */
-static hk_status open_summary(hk_options *o, hk_error *error) {
-  if (!o->summary || o->help) return HK_OK;
-  o->summary_file = fopen(o->summary, "w");
-  if (o->summary_file) return HK_OK;
-  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+static bool write_report(FILE *file, const void *summary) {
+  hk_report_json(file, summary);
+  return !ferror(file);
 }
 
-static hk_status close_summary(const hk_options *o, const hk_summary *s, hk_error *error) {
-  if (!o->summary_file) return HK_OK;
-  hk_report_json(o->summary_file, s);
-  bool fine = !ferror(o->summary_file);
-  if (fclose(o->summary_file) == 0 && fine) return HK_OK;
-  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+static hk_status write_summary(const hk_options *o, const hk_summary *s, hk_error *error) {
+  hk_error cause = {0};
+  hk_status status = o->summary ? hk_write_file(o->summary, write_report, s, &cause) : HK_OK;
+  return status == HK_OK ? HK_OK : hk_error_set(error, status, "--summary: %s", cause.text);
 }
 
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
@@ -162,9 +157,9 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   else if (left != HK_OK)
     status = left, error = last;
   if (status == HK_OK)
-    status = close_summary(o, &summary, &error);
+    status = write_summary(o, &summary, &error);
   else
-    close_summary(o, &summary, &last);
+    write_summary(o, &summary, &last);
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (status != HK_OK) complain(&error);
@@ -229,7 +224,8 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
                                                                  : NULL;
   c.named = o->run.out != NULL;
   c.cache = cache_folder(cache, sizeof cache);
-  c.state = o->state;
+  c.written[0] = o->state;
+  c.written[1] = o->summary;
   c.read[4] = o->run.resume; /* the user names it */
   return hk_confine(&c);
 }
@@ -238,10 +234,15 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
 static hk_status try_targets(const hk_options *o, hk_error *error) {
   const char *const option[] = {"--state", "--summary"}, *const path[] = {o->state, o->summary};
   const char *const read[] = {o->scene, o->run.resume};
-  hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < 2 && status == HK_OK && !o->help; k++)
+    if (path[k]) status = hk_target_file(option[k], path[k], error);
   for (size_t k = 0; k < 4 && status == HK_OK; k++)
     status = hk_target_spares(option[k / 2], path[k / 2], read[k % 2], error);
   if (status == HK_OK) status = hk_target_differs(option, path, error);
+  for (size_t k = 0; k < 2 && status == HK_OK && !o->run.no_output; k++)
+    status =
+        hk_target_differs((const char *const[]){"--out", option[k]}, (const char *const[]){o->run.out, path[k]}, error);
   bool writes = o->run.out && !o->run.no_output && !o->help;
   return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
 }
@@ -261,7 +262,10 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
   if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
-  if (parsed == HK_OK) parsed = open_summary(&o, &error);
+  const char *const taken[][2] = {{o.state ? "--state" : "--summary", o.state ? o.state : o.summary},
+                                  {o.state && o.summary ? "--summary" : NULL, o.summary},
+                                  {NULL}};
+  if (o.state || o.summary) o.run.taken = taken;
   if (parsed != HK_OK) {
     code = complain(&error);
   } else if (o.help && !o.scene) {
@@ -273,6 +277,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust || o.no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch(registry);
     o.run.disturbed = hk_settings_watch();
+    o.run.thread_ended = hk_settings_thread_ended;
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;

@@ -11,7 +11,6 @@
 typedef struct hk_options {
   hk_run_options run;
   const char *scene, *state, *summary;
-  FILE *summary_file; /* `summary`, opened before the script runs; NULL: none */
   int threads;
   uint64_t seed, port;
   bool json, quiet, trust, verify, no_check, watch, forces, help;

@@ -140,8 +140,11 @@ static void allow_writing(const ruleset *rules, const hk_confinement *c) {
   char outermost[PATH_MAX];
   if (c->output) allow(rules, c->output, SEE | CHANGE | MAKE | FOLDERS);
   if (c->cache) allow(rules, c->cache, SEE | CHANGE | MAKE);
-  if (c->state) allow_folder_of(rules, c->state, CHANGE | MAKE);
-  if (c->state) allow(rules, c->state, CHANGE);
+  for (size_t k = 0; k < sizeof c->written / sizeof *c->written; k++) {
+    if (!c->written[k]) continue;
+    allow_folder_of(rules, c->written[k], CHANGE | MAKE);
+    allow(rules, c->written[k], CHANGE);
+  }
   if (!made.count) return;
   snprintf(outermost, sizeof outermost, "%.*s", (int)made.end[0], made.path);
   allow_folder_of(rules, outermost, LANDLOCK_ACCESS_FS_REMOVE_DIR); /* for hk_confinement_end: of empty folders */

@@ -2,9 +2,10 @@
  * crash, for exit() and for an alarm after an interruption say which plugin was at work, from the pointer that the host
  * sets around every call, and end the process. They only write and replace the process (POSIX 2.4.3), since its memory
  * may be damaged; the last good state is in a file (keep.c). Crashes outside of plugins, those of child processes and
- * signals that somebody else handles already (a sanitizer) are left as they are. */
+ * signals that somebody else handles already (a sanitizer) are left as they are, after a word of what may have been. */
 #include "core/app/process/process.h"
 
+#include <lua.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -81,6 +82,19 @@ void hk_faults_check_files(void) {
   if (getpid() == watched) end_overwritten();
 }
 
+/* The signal ends the process as it would have without us: its action is the default one again. A script may crash Lua
+ * 5.4.0 to 5.4.4 where a deep __concat makes the stack move; without --trust it never does (script/stack.c). */
+static void end_unknown(int number, const char *what) {
+  if (getpid() == watched) {
+    say("hooke: it crashed (");
+    say(what);
+    say(") outside of all plugins: the error is in hooke or in " LUA_RELEASE
+        ", which a script with --trust may crash, up to 5.4.4 by deep calls in a __concat; without --trust it "
+        "cannot\n");
+  }
+  raise(number);
+}
+
 static void crashed(int number, siginfo_t *info, void *context) {
   const hk_instance *plugin = hk_acting_here ? hk_acting_here : acting;
   const char *file = loading->opening;
@@ -88,11 +102,11 @@ static void crashed(int number, siginfo_t *info, void *context) {
   (void)context;
   if (getpid() == watched && number != SIGABRT) end_overwritten();
   if (getpid() == watched && !plugin) end_trapped(number, info->si_code);
+  while (k < FAULTS - 1 && faults[k].number != number) k++;
   if ((!plugin && !file) || getpid() != watched) {
-    raise(number); /* its action is the default one again */
+    end_unknown(number, faults[k].what);
     return;
   }
-  while (k < FAULTS - 1 && faults[k].number != number) k++;
   name(plugin, file);
   say(" crashed (");
   say(number == SIGFPE && info->si_code != FPE_INTDIV && info->si_code > 0 ? "SIGFPE, a floating-point trap"

@@ -23,15 +23,15 @@ hk_status hk_standard_output_end(hk_error *error);
  * the sandbox of Lua gains no rights ---- */
 
 typedef struct hk_confinement {
-  const char *scene;     /* its script, whose folder may be read */
-  const char *read[5];   /* further files and folders to read; NULL members are skipped */
-  const char *search;    /* folders of plugins, separated by ':', or NULL */
-  const char *libraries; /* LD_LIBRARY_PATH, likewise */
-  const char *programs;  /* PATH: where ffmpeg is looked for, which outputs call */
-  const char *output;    /* a folder to write in, made here where it is missing; NULL: none */
-  bool named;            /* the user has named it */
-  const char *cache;     /* the folder of tools/auto.lua, made here; NULL: none */
-  const char *state;     /* a file to write, NULL: none */
+  const char *scene;      /* its script, whose folder may be read */
+  const char *read[5];    /* further files and folders to read; NULL members are skipped */
+  const char *search;     /* folders of plugins, separated by ':', or NULL */
+  const char *libraries;  /* LD_LIBRARY_PATH, likewise */
+  const char *programs;   /* PATH: where ffmpeg is looked for, which outputs call */
+  const char *output;     /* a folder to write in, made here where it is missing; NULL: none */
+  bool named;             /* the user has named it */
+  const char *cache;      /* the folder of tools/auto.lua, made here; NULL: none */
+  const char *written[2]; /* files to write, beside which a part is made and renamed; NULL members are skipped */
 } hk_confinement;
 
 /* Confines this thread and all later threads and processes, irrevocably. NULL: all rights are given up; otherwise a
@@ -62,6 +62,8 @@ int hk_faults_leave(int code);
 /* Notes what is set now, after hk_faults_watch: the returned function compares, puts right what differs and says it
  * (hk_run_options.disturbed). Files it leaves to faults.c. */
 const char *(*hk_settings_watch(void))(void);
+/* hk_run_options.thread_ended: looks at the modes of the thread at hand, for that function to say. */
+void hk_settings_thread_ended(void);
 
 /* ---- keep.c: the last good state of a run, in a file without a name, from which a new process writes the state table
  * after a crash ---- */

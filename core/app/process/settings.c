@@ -1,8 +1,10 @@
 /* What holds for all of the process, and plugins may not leave changed: how the processor rounds, what it does with
  * numbers too small for full precision, whether it traps, and what happens at signals. After a change of them a crash
- * is mute, Ctrl-C is dead, or every number is a bit wrong. Threads that work beside the first one are not looked at. */
+ * is mute, Ctrl-C is dead, or every number is a bit wrong. Each of hooke's threads has modes of its own, and looks at
+ * them after its part of a loop; the first one asks what they have found. */
 #include "core/app/process/process.h"
 
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -56,6 +58,13 @@ static const char *changed_modes(void) {
          "mode back before it returns";
 }
 
+static _Atomic(const char *) changed_in_thread;
+
+void hk_settings_thread_ended(void) {
+  const char *what = changed_modes();
+  if (what) atomic_store(&changed_in_thread, what);
+}
+
 /* ---- signals ---- */
 
 static bool same_action(const struct sigaction *a, const struct sigaction *b) {
@@ -79,9 +88,9 @@ static const char *changed_signal(void) {
 }
 
 static const char *disturbed(void) {
-  const char *what = changed_modes();
+  const char *what = changed_modes(), *beside = atomic_exchange(&changed_in_thread, NULL);
   hk_faults_check_files();
-  return what ? what : changed_signal();
+  return what ? what : beside ? beside : changed_signal();
 }
 
 const char *(*hk_settings_watch(void))(void) {

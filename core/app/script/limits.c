@@ -102,6 +102,7 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
   if (size > before + LARGE && too_slow(s)) return NULL;
   void *grown = realloc(memory, size);
   if (grown) s->memory += size - before;
+  if (grown && s->reserving) hk_stack_back(grown, size);
   s->last_size = size;
   s->refused_by_system = !grown;
   return grown;

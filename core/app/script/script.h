@@ -76,6 +76,7 @@ struct hk_script {
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
   size_t last_size, doubled_stack[2]; /* bytes: the last request; what a full stack, a coroutine's one, would ask for */
+  bool reserving;                     /* the first stack gets its slots */
   bool finished, driving;             /* the script itself has ended; the script is inside scene:run */
   bool spent, memory_spent;           /* the script exceeded a limit (that of memory) */
   bool refused_by_system;             /* the last allocation, not by the limit */
@@ -115,6 +116,8 @@ void hk_limits_resume(hk_script *, double used);
 /* stack.c: the stack of a script never moves. */
 /* Gives a new stack all the slots that it may have; false: no memory. */
 bool hk_stack_reserve(hk_script *, lua_State *);
+/* The system backs the bytes with memory at once: Lua writes to all of them. */
+void hk_stack_back(void *memory, size_t bytes);
 bool hk_stack_overflows(const hk_script *, size_t size); /* whether a full stack asks for these bytes */
 /* What a C function may put on the stack at once. */
 int hk_stack_slots(const hk_script *, const lua_State *);

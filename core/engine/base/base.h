@@ -46,6 +46,8 @@ typedef struct hk_threads hk_threads;
 hk_threads *hk_threads_create(int threads); /* 1: no further thread is started; NULL: no memory or no thread */
 void hk_threads_destroy(hk_threads *);
 int hk_threads_count(const hk_threads *);
+/* `after` is called in every further thread, at the end of its part of a loop; NULL: nothing. Not while a loop runs. */
+void hk_threads_watch(hk_threads *, void (*after)(void));
 void hk_threads_for(hk_threads *, size_t count, size_t grain,
                     void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context);
 

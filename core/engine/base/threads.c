@@ -28,7 +28,8 @@ struct hk_threads {
   atomic_int asleep; /* workers */
   atomic_bool stop;
   atomic_bool taken; /* a loop is under way */
-  loop_body body;    /* of that loop, as what follows: written while no chunk of it is taken */
+  void (*after)(void);
+  loop_body body; /* of that loop, as what follows: written while no chunk of it is taken */
   void *context;
   size_t total, grain, chunks;
   size_t calls, in_vain; /* loops since sleeping workers were woken; how many go by, as these came too late */
@@ -86,6 +87,7 @@ static void *worker(void *argument) {
   hk_threads *t = argument;
   while (!atomic_load(&t->stop)) {
     size_t finished = take_chunks(t);
+    if (finished > 0 && t->after) t->after();
     atomic_fetch_sub(&t->unfinished, finished);
     if (finished == 0) wait_for_work(t);
   }
@@ -121,6 +123,8 @@ void hk_threads_destroy(hk_threads *t) {
   free(t->thread);
   free(t);
 }
+
+void hk_threads_watch(hk_threads *t, void (*after)(void)) { t->after = after; }
 
 int hk_threads_count(const hk_threads *t) { return t ? (int)t->count : 1; }
 

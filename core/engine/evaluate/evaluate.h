@@ -80,6 +80,7 @@ struct hk_dynamics {
       demands;       /* a force has `update`, `step_limit`, `accepted` or `evolve`, `longest_step` */
   double *predicted; /* n x 3, predicted positions after the next step, scratch; NULL: no force has `update` or
                         `step_limit` */
+  bool lost; /* plugins may have lists of other particles than the state: a remapping failed, and none is asked again */
   bool has_timed;
   double timed_at;            /* s, time of the last values of timed parameters; NAN: none */
   hk_evaluations evaluations; /* of paths and timed parameters */
@@ -145,8 +146,9 @@ bool hk_evaluate_takes_several(
 bool hk_query_uncoupled(hk_system *, const double *x, const double *v, size_t begin, size_t end, double *F,
                         double (*K)[9], double (*D)[9]); /* see hk_system_queries */
 
-double hk_query_potential(hk_dynamics *, double t, const double *X); /* J, sum of the forces with an energy */
-bool hk_query_has_energy(const hk_dynamics *);                       /* the work done on the scene is known */
+/* J, sum of the forces with an energy; NAN after a remapping that failed. */
+double hk_query_potential(hk_dynamics *, double t, const double *X);
+bool hk_query_has_energy(const hk_dynamics *); /* the work done on the scene is known */
 /* F of force k alone at X, of n particles (n x 3, from 0). The run's error does not change. False: the force failed. */
 bool hk_query_force(hk_dynamics *, size_t k, const double *X, size_t n, double *F);
 /* largest by magnitude; label NULL: of all forces */

@@ -4,11 +4,13 @@
 #include "core/engine/evaluate/evaluate.h"
 #include "core/plugin/strain.h"
 
+#include <math.h>
 #include <string.h>
 
 double hk_query_potential(hk_dynamics *d, double t, const double *X) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
   double sum = 0;
+  if (d->lost) return NAN;
   for (size_t k = 0; k < forces->count; k++) {
     const hk_instance *force = forces->item[k];
     if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->energy || hk_work_unaccounted(force)) continue;
@@ -31,6 +33,7 @@ bool hk_query_has_energy(const hk_dynamics *d) {
 
 bool hk_query_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
   const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+  if (d->lost) return false;
   hk_view view = hk_force_view_at(d, k, d->state->t, X, n);
   double power = 0;
   hk_error kept = *d->error;

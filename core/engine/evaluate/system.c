@@ -164,7 +164,7 @@ hk_status hk_dynamics_begin(hk_dynamics *d) {
   return hk_elements_refresh(d);
 }
 
-hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
+static hk_status remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   hk_pins_remap(d->pins, map);
   hk_dynamics_refresh(d);
   hk_status status = hk_plugins_remap(d->plugins, map, n_old, &d->state->view, d->state->size, d->error);
@@ -174,6 +174,13 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   if (status == HK_OK && d->constrain) status = d->constrain->topology(d);
   if (d->blocks_changed) d->blocks_changed(d, true);
   return status == HK_OK ? hk_forces_settle(d) : status;
+}
+
+hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
+  d->lost = true;
+  hk_status status = remap(d, map, n_old);
+  d->lost = status != HK_OK;
+  return status;
 }
 
 void hk_dynamics_close(hk_dynamics *d) {

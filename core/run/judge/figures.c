@@ -89,25 +89,38 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   return status == HK_OK ? measure(loop, j, caller) : status;
 }
 
-/* RMS over the particles whose positions the scene's `exact` gives, the first ones; none: it is not known then. */
+/* Positions that the scene's `exact` gives at a time, 3 numbers for each of the first particles. */
+static hk_status ask_exact(const hk_scene *scene, double t, double *known, size_t room, size_t *got, hk_error *cause) {
+  hk_status status = scene->exact.call(&scene->exact, NULL, &t, 1, known, room, got, cause);
+  if (status != HK_OK || *got % 3 == 0) return status;
+  return hk_error_set(cause, HK_BAD_PARAM,
+                      "%s: exact gave %zu numbers at t = %g s, which are not x, y, z of whole particles: return "
+                      "three for each, in the order of their ids",
+                      scene->exact_where ? scene->exact_where : scene->name, *got, t);
+}
+
+/* RMS over the particles of which they are known; none: it is not known then. */
 hk_status hk_figures_exact(const hk_scene *scene, hk_loop *loop, double *error, hk_error *cause) {
-  const hk_function *exact = &scene->exact;
   size_t room = 3 * loop->state->model.n, got = 0;
-  double *known = exact->call && room ? malloc(room * sizeof *known) : NULL, t = loop->state->t, sum = 0;
+  double *known = scene->exact.call && room ? malloc(room * sizeof *known) : NULL, sum = 0;
   *error = NAN;
   if (!known) return HK_OK;
-  hk_status status = exact->call(exact, NULL, &t, 1, known, room, &got, cause);
-  if (status == HK_OK && got % 3 != 0)
-    status = hk_error_set(cause, HK_BAD_PARAM,
-                          "%s: exact gave %zu numbers at t = %g s, which are not x, y, z of whole particles: return "
-                          "three for each, in the order of their ids",
-                          scene->exact_where ? scene->exact_where : scene->name, got, t);
+  hk_status status = ask_exact(scene, loop->state->t, known, room, &got, cause);
   for (size_t k = 0; k < got; k++) {
     double off = loop->state->X[3 * hk_model_nth(&loop->state->model, k / 3) + k % 3] - known[k];
     sum += off * off;
   }
   free(known);
   if (status == HK_OK && got >= 3) *error = sqrt(3 * sum / (double)got);
+  return status;
+}
+
+hk_status hk_figures_check_exact(const hk_scene *scene, size_t n, double end, hk_error *cause) {
+  size_t got = 0;
+  double *known = scene->exact.call && n > 0 && isfinite(end) ? malloc(3 * n * sizeof *known) : NULL;
+  if (!known) return HK_OK;
+  hk_status status = ask_exact(scene, end, known, 3 * n, &got, cause);
+  free(known);
   return status;
 }
 

@@ -80,6 +80,8 @@ hk_status hk_figures_take(hk_loop *, hk_judgement *, const void *caller);
 /* *error: m, RMS over the particles whose positions the scene's `exact` gives; NAN: there is none. On a failure of that
  * function it is NAN, too, and `cause` says why. */
 hk_status hk_figures_exact(const hk_scene *, hk_loop *, double *error, hk_error *cause);
+/* Before a run: whether `exact` gives positions at its end at all, as many as there are particles at most. */
+hk_status hk_figures_check_exact(const hk_scene *, size_t n, double end, hk_error *cause);
 /* m, how far the exact solution takes the particles from their start by `end`, RMS, at most; NAN: not known. */
 double hk_figures_exact_motion(const hk_scene *, hk_loop *, double end);
 

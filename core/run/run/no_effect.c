@@ -119,6 +119,48 @@ static void warn_of_repeated(hk_run *run) {
   free(pair);
 }
 
+/* ---- a pair that is twice in a list of a force: it acts twice ---- */
+
+static size_t hash_of_pair(const uint32_t *id) {
+  uint64_t low = id[id[0] > id[1]], high = id[id[0] <= id[1]];
+  uint64_t mixed = (low * 0x9e3779b97f4a7c15u ^ high) * 0xc2b2ae3d27d4eb4fu; /* multipliers of many bits, both odd */
+  return (size_t)(mixed >> 32);
+}
+
+static bool same_pair(const uint32_t *a, const uint32_t *b) {
+  return (a[0] == b[0] && a[1] == b[1]) || (a[0] == b[1] && a[1] == b[0]);
+}
+
+/* The first entry whose pair, in any direction, comes before it, and where; in a table of open addressing. */
+static bool find_repeated(const hk_tuples *list, size_t *before, size_t *at) {
+  size_t room = 4;
+  while (room < 2 * list->count) room *= 2;
+  uint32_t *entry = list->count > 1 && list->count < UINT32_MAX ? calloc(room, sizeof *entry) : NULL; /* from 1 */
+  bool found = false;
+  for (size_t e = 0; entry && e < list->count && !found; e++) {
+    size_t k = hash_of_pair(hk_tuple(list, e)) & (room - 1);
+    while (entry[k] && !same_pair(hk_tuple(list, entry[k] - 1), hk_tuple(list, e))) k = (k + 1) & (room - 1);
+    found = entry[k];
+    *before = found ? entry[k] - 1 : 0, *at = e;
+    entry[k] = (uint32_t)(e + 1);
+  }
+  free(entry);
+  return found;
+}
+
+static void warn_of_doubled(hk_run *run, const hk_plugin_spec *spec) {
+  size_t before, at;
+  for (const hk_param *p = spec->plugin->params; p && p->name; p++) {
+    const hk_tuples *list = p->edges ? hk_param_in(p, spec->values) : NULL;
+    if (!list || !find_repeated(list, &before, &at)) continue;
+    const uint32_t *id = hk_tuple(list, at);
+    hk_warn(&run->warnings,
+            "%s%s%s: %s[%zu] joins particles %u and %u, as %s[%zu] does, and both act: leave one of them out, or give "
+            "one of them the stiffness of both",
+            spec->where, before_text(spec), spec->label, p->name, at + 1, id[0] + 1, id[1] + 1, p->name, before + 1);
+  }
+}
+
 /* ---- particles that the scene joins, and no force does ---- */
 
 static void mark(bool *marked, const hk_tuples *list) {
@@ -223,6 +265,8 @@ void hk_warn_of_no_effect(hk_run *run) {
     for (size_t k = 0; k < run->plugins.kind[acting_kinds[kind]].count; k++)
       warn_of_idle(run, run->plugins.kind[acting_kinds[kind]].item[k]);
   warn_of_repeated(run);
+  for (size_t k = 0; k < run->plugins.kind[HK_FORCE].count; k++)
+    warn_of_doubled(run, run->plugins.kind[HK_FORCE].item[k]->spec);
   warn_of_empty_pins(run);
   warn_of_loose(run);
   if (run->state.model.box) warn_without_images(run);

@@ -44,7 +44,9 @@ static hk_status open_shared(hk_run *run) {
   run->shared.registry = scene->registry;
   run->shared.threads = hk_threads_create(threads);
   if (!run->shared.threads) return hk_error_set(&run->error, HK_FAILED, "cannot start %d threads", threads);
+  hk_threads_watch(run->shared.threads, run->options.thread_ended);
   run->folder = hk_folder_open(run->options.out, scene->name, &run->error);
+  if (run->folder) hk_folder_spare(run->folder, run->options.taken);
   return run->folder ? HK_OK : run->error.status;
 }
 
@@ -188,6 +190,13 @@ static hk_status start(hk_run *run) {
   return status == HK_OK ? first_frame(run) : status;
 }
 
+/* With a source nobody knows how many particles there will be. */
+static hk_status check_exact(hk_run *run) {
+  const hk_scene *scene = run->scene;
+  if (run->asked.ignore_exact || scene->plugin[HK_SOURCE].count) return HK_OK;
+  return hk_figures_check_exact(scene, scene->particles.n, run->asked.end, &run->error);
+}
+
 /* The lists of the scene have the order of ids, which may not be that of the state. */
 static hk_status renumber_instances(hk_run *run) {
   hk_status status = HK_OK;
@@ -244,6 +253,7 @@ static hk_status build(hk_run *run, hk_scene *scene) {
   hk_warn_of_unused_services(run);
   hk_warn_of_unused_options(run);
   if (status == HK_OK) status = hk_run_begin_saving(run);
+  if (status == HK_OK) status = check_exact(run);
   return status == HK_OK ? start(run) : status;
 }
 

@@ -37,11 +37,13 @@ typedef struct hk_run_options {
   const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool only_run;           /* of its scene, of which what the run has copied is freed then */
   bool no_output;
-  bool draft;   /* outputs may do with less quality (hk_draft) */
-  int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
+  const char *const (*taken)[2]; /* hk_folder_spare; NULL: none */
+  bool draft;                    /* outputs may do with less quality (hk_draft) */
+  int progress;                  /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
   const char *(*disturbed)(void);           /* hk_shared.disturbed, also asked at frames; NULL: nobody looks */
+  void (*thread_ended)(void);               /* hk_threads_watch of the run's threads */
   /* Is given the last good state at every frame; NULL: nobody wants it. */
   void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
   void *kept_context;

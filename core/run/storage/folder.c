@@ -29,7 +29,8 @@ struct hk_folder {
   size_t count;
   struct listed *file; /* of this run */
   char *scene;
-  struct timespec released; /* when the list was written last, at the release */
+  struct timespec released;      /* when the list was written last, at the release */
+  const char *const (*taken)[2]; /* options and the files that they name; NULL: none */
   char part[32]; /* subfolder of a run that goes on, "from-step-1200/"; "": none, and earlier files are removed */
 };
 
@@ -300,20 +301,43 @@ const char *hk_folder_place(const hk_folder *f) { return f ? f->path : NULL; }
 
 void hk_folder_go_on(hk_folder *f, size_t step) { snprintf(f->part, sizeof f->part, "from-step-%zu/", step); }
 
+void hk_folder_spare(hk_folder *f, const char *const (*taken)[2]) { f->taken = taken; }
+
+/* Whether an option names that file, by whatever path: the file would be written twice, and one of them be lost. */
+static hk_status check_taken(const hk_folder *f, const char *owner, const char *name, hk_error *error) {
+  char path[PATH_MAX], writer[128];
+  snprintf(path, sizeof path, "%s/%s", f->path, name);
+  snprintf(writer, sizeof writer, owner ? "output '%s'" : "the run", owner);
+  hk_status status = HK_OK;
+  for (size_t k = 0; f->taken && f->taken[k][0] && status == HK_OK; k++)
+    status = hk_target_differs((const char *const[]){f->taken[k][0], writer},
+                               (const char *const[]){f->taken[k][1], path}, error);
+  return status;
+}
+
+/* The folder at the request of its first file. What the run writes at its end is compared now. */
+static hk_status begin(hk_folder *f, hk_error *error) {
+  hk_status status = begin_list(f, error);
+  if (status == HK_OK) status = check_taken(f, NULL, list_name, error);
+  if (status == HK_OK) status = check_taken(f, NULL, "summary.json", error);
+  if (status != HK_OK) hk_folder_release(f);
+  return status;
+}
+
 hk_status hk_folder_path(hk_folder *f, const char *owner, const char *given, char *buffer, size_t size,
                          hk_error *error) {
   char name[PATH_MAX / 2];
   struct stat info;
   if (!safe_name(given) || snprintf(name, sizeof name, "%s%s", f->part, given) >= (int)sizeof name)
     return hk_error_set(error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", given);
-  hk_status status = f->list ? HK_OK : begin_list(f, error);
-  if (status != HK_OK) hk_folder_release(f);
+  hk_status status = f->list ? HK_OK : begin(f, error);
   if (status != HK_OK) return status;
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
   const char *last;
   const listed *file = find_listed(f, name);
   status = check_owner(file, given, owner, error);
+  if (status == HK_OK) status = check_taken(f, owner, name, error);
   if (status != HK_OK) return status;
   int parent = open_parent(f->descriptor, name, true, &last);
   if (parent < 0) return io_error(error, "create the folder of", buffer);

@@ -20,8 +20,11 @@ void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */
 void hk_folder_go_on(hk_folder *, size_t step);
+/* Files that options name, {option, path} each and {NULL} at the end, which no file of the folder may be as well. The
+ * list has to live as long as the folder. */
+void hk_folder_spare(hk_folder *, const char *const (*taken)[2]);
 /* Where a file of that name is to be written; the folders on the way exist then, and are no links. `owner` is the label
- * of the output that asks, NULL the run itself: HK_BAD_PARAM for a file that another one writes. */
+ * of the output that asks, NULL the run itself: HK_BAD_PARAM for a file that another one writes, or an option names. */
 hk_status hk_folder_path(hk_folder *, const char *owner, const char *name, char *buffer, size_t size, hk_error *error);
 
 /* ---- targets.c: whether what `option` names can be written, before a run. HK_IO and HK_BAD_PARAM say why not ---- */

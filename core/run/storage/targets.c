@@ -45,13 +45,16 @@ hk_status hk_target_spares(const char *option, const char *path, const char *sou
   return hk_error_set(error, HK_BAD_PARAM, "%s: %s is what is to be run; name another file", option, path);
 }
 
-/* The name of the file that a path would make, and its folder. */
-static const char *split(const char *path, struct stat *folder) {
+/* The name of the file or folder that a path would make, without the slashes behind it, and its folder. */
+static const char *split(const char *path, char name[PATH_MAX], struct stat *folder) {
   char above[PATH_MAX];
-  const char *slash = strrchr(path, '/');
-  int length = slash == path ? 1 : slash ? (int)(slash - path) : 0;
-  if (snprintf(above, sizeof above, "%.*s", length, path) >= (int)sizeof above) return NULL;
-  return stat(slash ? above : ".", folder) == 0 ? path + (slash ? slash - path + 1 : 0) : NULL;
+  size_t end = strlen(path);
+  while (end > 1 && path[end - 1] == '/') end--;
+  if (snprintf(above, sizeof above, "%.*s", (int)end, path) >= (int)sizeof above) return NULL;
+  char *slash = strrchr(above, '/');
+  snprintf(name, PATH_MAX, "%s", slash ? slash + 1 : above);
+  if (slash) slash[slash == above] = 0;
+  return stat(slash ? above : ".", folder) == 0 ? name : NULL;
 }
 
 static bool is_same(const struct stat *a, const struct stat *b) {
@@ -65,7 +68,8 @@ hk_status hk_target_differs(const char *const option[2], const char *const path[
   if (exists[0] && exists[1]) {
     same = is_same(&info[0], &info[1]) && S_ISREG(info[0].st_mode); /* into a device or a pipe both may go */
   } else if (!exists[0] && !exists[1]) {
-    const char *name[2] = {split(path[0], &info[0]), split(path[1], &info[1])};
+    char room[2][PATH_MAX];
+    const char *name[2] = {split(path[0], room[0], &info[0]), split(path[1], room[1], &info[1])};
     same = name[0] && name[1] && strcmp(name[0], name[1]) == 0 && is_same(&info[0], &info[1]);
   }
   if (!same) return HK_OK;

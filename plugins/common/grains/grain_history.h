@@ -22,11 +22,15 @@ typedef struct hk_grain_history {
   size_t *row, *next_row; /* n + 1: the first touch of each particle */
   const void *indexed;    /* the touches that the rows are those of; NULL: none */
   int64_t indexed_count;
+  bool whole, others_die; /* whether the rows have all touches; whether others are particles as well */
 } hk_grain_history;
 
 /* To be called in `create` and `topology`: forgets touches of particles that are no more. `others_die`: the other
  * bodies are particles as well. */
 hk_status hk_grain_history_adapt(hk_grain_history *, const hk_view *view, bool others_die);
+/* To be called in `update`: HK_FAILED where touches are missing, or not of particles that are there, as a damaged
+ * checkpoint may have it. It looks when they are others than those of the last step. */
+hk_status hk_grain_history_check(hk_grain_history *, const hk_view *view);
 /* To be called before the rows are read: a checkpoint may have been. */
 void hk_grain_history_index(hk_grain_history *, const hk_view *view);
 

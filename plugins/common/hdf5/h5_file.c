@@ -246,6 +246,7 @@ static bool open_part(hk_h5_file *f, const char *path) {
 hk_h5_file *hk_h5_create(const char *path) {
   hk_h5_file *f = calloc(1, sizeof *f);
   if (!f) return NULL;
+  H5dont_atexit(); /* all is closed here, and after a lack of memory HDF5 1.10 crashes in what it does at exit */
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* messages are made here */
   f->id = f->file = -1;
   open_part(f, path);

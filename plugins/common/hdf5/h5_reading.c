@@ -10,6 +10,7 @@
 
 hid_t hk_h5_open_file(const char *path) {
   struct stat info;
+  H5dont_atexit(); /* all is closed here, and after a lack of memory HDF5 1.10 crashes in what it does at exit */
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* messages are made by the callers */
   H5PLset_loading_state(0);              /* no file names a shared object that HDF5 would load */
   if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return H5I_INVALID_HID;

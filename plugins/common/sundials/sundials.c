@@ -24,7 +24,7 @@ static const double nothing = 1e-9;
 static const double components = 1.7320508075688772;
 static const double rounding = 16 * DBL_EPSILON; /* errors below this part of the largest number do not count */
 
-enum { RECOVERABLE = 1, FATAL = -1 };
+enum { RECOVERABLE = 1, FATAL = -1, MEM_FAIL = -20 /* CV_MEM_FAIL and ARK_MEM_FAIL */ };
 
 /* ---- errors ---- */
 
@@ -77,7 +77,7 @@ hk_status hk_sundials_stuck(hk_sundials *m) {
 
 hk_status hk_sundials_failed(hk_sundials *m, int flag, bool rates) {
   if (is_fatal(m->status) || (rates && m->status != HK_OK)) return m->status;
-  if (hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
+  if (flag == MEM_FAIL || hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
   return m->host->fail(m->host, HK_NOT_CONVERGED,
                        "no step from t = %.17g s meets the tolerance %g (SUNDIALS, %d: %s); give a larger tol, or look "
                        "for a force that jumps",
@@ -102,7 +102,11 @@ hk_status hk_sundials_open(hk_sundials *m, const hk_host *host, const hk_view *v
   hk_status status = hk_channels_open(&m->rates, host, view);
   if (status != HK_OK) return status;
   m->channel = host->allocate(host, (m->rates.width + 1) * sizeof *m->channel);
-  if (!m->channel || make_context(m) != 0) return no_memory(m, size);
+  if (!m->channel) return no_memory(m, size);
+  if (make_context(m) != 0) {
+    m->context = NULL; /* one that is half made: SUNContext_Free of SUNDIALS 6 would crash */
+    return no_memory(m, size);
+  }
   m->X = hk_sundials_vector(size, m->state, m->context);
   if (!m->X) return no_memory(m, size);
   if (m->preconditioner == HK_PRECONDITION_BLOCK_JACOBI) {

@@ -1,7 +1,9 @@
 -- The tests of a service (hooke check): its interface has a name and a version, its table is there and stays where it is,
--- a plugin that asks for it gets it, and what neighbours/1, octree/1 and bvh/1 answer is what a plain search finds.
+-- a plugin that asks for it gets it; what neighbours/1, octree/1 and bvh/1 answer is what a plain search finds, and what
+-- grip/1 and obstacles/1 answer is what they were told.
 local actors = require("actors")
 local inspect = require("inspect")
+local keeping = require("keeping")
 local members = require("members")
 local sharing = require("sharing")
 local actor = require("common.check.actor")
@@ -119,6 +121,17 @@ local function names_the_lost(plugin, lines)
   assert(scene)
 end
 
+-- Services that keep what they are told.
+local kept = { ["grip/1"] = keeping.grip, ["obstacles/1"] = keeping.obstacles }
+
+local function keeps_what_it_is_told(plugin, lines)
+  local run, scene = crowded(plugin, 9, 1)
+  lines:at("9 particles")
+  local wrong, after = kept[plugin.interface](keeping.open(run, "service", "behind", true))
+  if wrong then lines:wrong(wrong, "see the header of its interface", after) end
+  assert(scene)
+end
+
 return function(plugin, report)
   local try = actor.watched(plugin, report)
   plugin.interface = actors.interface(plugin.path)
@@ -135,6 +148,11 @@ return function(plugin, report)
     known("its answers are those of a plain search", answers_rightly)
     known("its answers after births and deaths", follows_births_and_deaths)
     if plugin.interface ~= "bvh/1" then known("places that are no numbers", names_the_lost) end
+  elseif kept[plugin.interface] then
+    try("its answers are what it was told", function(l)
+      keeping.watch(l.fd)
+      keeps_what_it_is_told(plugin, l)
+    end)
   else report:note(("what %s answers is not compared: hooke knows no plain search for it"):format(plugin.interface)) end
   whole_runs.habits(plugin, try)
 end

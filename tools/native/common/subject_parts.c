@@ -8,8 +8,9 @@ typedef struct trial {
   hk_subject *s;
   hk_front front;
   double *x, *v, *before; /* n x 3 */
-  size_t written;         /* a particle outside of its part that was written to; n: none */
-  size_t used;            /* one whose force is not finite, as others were used for it that a part has not; n: none */
+  double *whole;  /* n x 3, the force with all positions known: where it is not finite nothing follows from parts */
+  size_t written; /* a particle outside of its part that was written to; n: none */
+  size_t used;    /* one whose force is not finite, as others were used for it that a part has not; n: none */
 } trial;
 
 /* Whether part `part` touches block b. */
@@ -38,7 +39,7 @@ static void look(trial *t, size_t part) {
   for (size_t i = 0; i < t->s->n; i++) {
     bool has = touches(t, part, i >> t->front.partition.bits);
     if (!has && memcmp(F + 3 * i, t->before + 3 * i, 3 * sizeof *F) != 0) t->written = i;
-    if (has && !is_finite(F + 3 * i) && is_finite(t->before + 3 * i)) t->used = i;
+    if (has && !is_finite(F + 3 * i) && is_finite(t->before + 3 * i) && is_finite(t->whole + 3 * i)) t->used = i;
   }
 }
 
@@ -57,6 +58,18 @@ static void add_all(trial *t, double *power) {
   }
 }
 
+static void add_whole(trial *t) {
+  hk_subject *s = t->s;
+  double power = 0;
+  hk_view view = s->view;
+  view.power = &power;
+  memset(s->F.at, 0, s->F.bytes);
+  hk_subject_enter(s, "add");
+  bool fine = hk_force_add(s->instance, &view, s->F.at) == HK_OK; /* one with parts may have no `add` */
+  hk_subject_leave(s);
+  if (fine) memcpy(t->whole, s->F.at, s->size * sizeof *t->whole);
+}
+
 int hk_subject_parts(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   trial t = {.s = s, .written = s->n, .used = s->n};
@@ -65,11 +78,13 @@ int hk_subject_parts(lua_State *L) {
   t.x = hk_table_memory(L, s->size);
   t.v = hk_table_memory(L, s->size);
   t.before = hk_table_memory(L, s->size);
+  t.whole = hk_table_memory(L, s->size);
   if (!hk_front_begin(&t.front, s->view.model->partition)) return luaL_error(L, "no memory");
   hk_part_use use = hk_front_use(&t.front);
   hk_subject_enter(s, "parts");
   if (s->force->parts.touch) s->force->parts.touch(s->instance->self, &s->view, &use);
   hk_subject_leave(s);
+  add_whole(&t);
   memset(s->F.at, 0, s->F.bytes);
   add_all(&t, &power);
   hk_front_close(&t.front);

@@ -88,6 +88,33 @@ static void a_release_before_the_start_is_refused(void **state) {
                "", 1, "bad.lua:3: pin: release: -1 s is no time of the run: give one from 0 on, or leave it out");
 }
 
+/* Where the run would end, and without any of its frames. An `exact` that knows nothing at other times is right. */
+static void an_exact_solution_that_is_none_is_refused(void **state) {
+  (void)state;
+  static const char *const bad[][2] = {
+      {"return 1", "exact gave 1 numbers at t = 2 s, which are not x, y, z of whole"},
+      {"return 1, 2, 3, 4, 5, 6", "returned more numbers than are expected at t = 2 s"},
+      {"return 1, 0 / 0, 3", "this function returned nan at t = 2 s"},
+      {"return 1, 'a', 3", "something else where a number is needed at t = 2 s"},
+      {"return t.x", "attempt to index a number"}};
+  for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+    char scene[512];
+    snprintf(scene, sizeof scene,
+             "local scene = hooke.scene { duration = 2, fps = 10 }\nscene:particle { position = {0,0,0}, mass = 1 }\n"
+             "scene:on_frame(function() print('a frame') end)\n"
+             "scene:exact(function(t) if t == 2 then %s end end)\nreturn scene\n",
+             bad[k][0]);
+    test_refused(scene, "", 1, bad[k][1]);
+    test_hooke(&r, NULL, "run bad.lua --quiet");
+    if (strstr(r.out, "a frame") || strstr(r.err, "a frame")) fail_msg("%s: it is said after the run", bad[k][0]);
+  }
+  test_write("known.lua", "local scene = hooke.scene { duration = 2, fps = 10 }\n"
+                          "scene:particle { position = {0,0,0}, velocity = {1,0,0}, mass = 1 }\n"
+                          "scene:exact(function(t) if t == 2 then return 2, 0, 0 end end)\nreturn scene\n");
+  test_hooke(&r, NULL, "run known.lua --quiet");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_stiff_scene_is_told_of_implicit_methods),
@@ -95,6 +122,7 @@ int main(void) {
       cmocka_unit_test(a_tolerance_without_effect_is_said),
       cmocka_unit_test(a_folder_that_stays_empty_is_said),
       cmocka_unit_test(a_step_that_moves_no_time_is_refused),
+      cmocka_unit_test(an_exact_solution_that_is_none_is_refused),
       cmocka_unit_test(a_release_before_the_start_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -257,11 +257,31 @@ static void what_a_script_does_is_not_put_down_to_a_plugin(void **state) {
   if (r.code != 7 || strstr(r.err, "plugin")) fail_msg("exit %d: %s", r.code, r.err);
 }
 
+/* A signal of its own, and Lua 5.4.4 itself, whose stack moves under a __concat. Later ones run to the end. */
+static void a_crash_outside_of_plugins_has_a_sentence(void **state) {
+  (void)state;
+#ifdef SANITIZED
+  skip();
+#endif
+  static const char says[] = "hooke: it crashed (SIGSEGV, memory that is not its own) outside of all plugins";
+  test_write("bad.lua", "os.execute('kill -SEGV $PPID')\n" HEAD "return scene\n");
+  test_hooke(&r, NULL, "run bad.lua --trust --quiet --no-output");
+  if (r.code != 128 + 11 || !strstr(r.err, says)) fail_msg("exit %d: %s", r.code, r.err);
+  test_write("bad.lua", "local function deep(n) if n == 0 then return 0 end return 1 + deep(n - 1) end\n"
+                        "local t = setmetatable({}, { __concat = function(a) deep(15000) return a end })\n"
+                        "local function join() local a = t .. t .. t .. t .. t .. t .. t .. t return a end\n"
+                        "for _ = 1, 20 do coroutine.wrap(join)() end\n" HEAD "return scene\n");
+  test_hooke(&r, NULL, "run bad.lua --trust --quiet --no-output");
+  bool said = r.code == 128 + 11 && strstr(r.err, says) && strstr(r.err, "without --trust it cannot");
+  if (r.code != 0 && !said) fail_msg("exit %d: %s", r.code, r.err);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(exit_in_a_plugin_is_an_error_wherever_it_is),
       cmocka_unit_test(abort_in_a_plugin_names_it),
       cmocka_unit_test(a_crash_in_a_plugin_names_it),
+      cmocka_unit_test(a_crash_outside_of_plugins_has_a_sentence),
       cmocka_unit_test(a_fault_in_a_part_names_the_force),
       cmocka_unit_test(a_part_that_does_not_return_is_named),
       cmocka_unit_test(the_innermost_plugin_is_the_one_named),

@@ -35,6 +35,8 @@ static const struct meddling {
 
 enum { MEDDLINGS = sizeof meddling / sizeof *meddling };
 
+static const char *further = "";
+
 static void try(const char *how, const char *when, const char *begins, const char *says) {
   char scene[1024];
   snprintf(scene, sizeof scene,
@@ -43,7 +45,9 @@ static void try(const char *how, const char *when, const char *begins, const cha
            "scene:force('%s/tests/fixtures/meddler.so', { how = '%s', %s })\nreturn scene\n",
            HK_BUILD, how, when);
   test_write("bad.lua", scene);
-  test_hooke(&r, NULL, "run bad.lua --trust --quiet --no-output");
+  char words[128];
+  snprintf(words, sizeof words, "run bad.lua --trust --quiet --no-output %s", further);
+  test_hooke(&r, NULL, words);
   if (r.code != 2 || !strstr(r.err, begins) || !strstr(r.err, says))
     fail_msg("%s, %s: exit %d: %s", how, when, r.code, r.err);
 }
@@ -63,6 +67,19 @@ static void what_a_plugin_changes_later_is_seen_at_the_frame(void **state) {
     try(meddling[k].how, "at = 0.255", "hooke: a plugin of this run has left", meddling[k].says);
     if (!strstr(r.err, "by the frame at t = 0.3")) fail_msg("%s: %s", meddling[k].how, r.err);
   }
+}
+
+/* Modes belong to threads. The first two of the list are signals, which do not; a trap may end the thread before. */
+static void what_a_plugin_changes_in_another_thread_is_seen(void **state) {
+  (void)state;
+  further = "--threads 2";
+  for (size_t k = 2; k < MEDDLINGS; k++)
+    try(meddling[k].how, "where = 'thread'", "hooke: bad.lua:3: meddler: the plugin has left", meddling[k].says);
+  for (size_t k = 2; k < MEDDLINGS - 1; k++) {
+    try(meddling[k].how, "where = 'thread', at = 0.255", "hooke: a plugin of this run has left", meddling[k].says);
+    if (!strstr(r.err, "by the frame at t = 0.3")) fail_msg("%s: %s", meddling[k].how, r.err);
+  }
+  further = "";
 }
 
 /* A trap ends hooke or the plugin that is then at work, if the frame does not come first. A sanitizer reports it
@@ -123,6 +140,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_a_plugin_changes_in_its_first_calls_names_it),
       cmocka_unit_test(what_a_plugin_changes_later_is_seen_at_the_frame),
+      cmocka_unit_test(what_a_plugin_changes_in_another_thread_is_seen),
       cmocka_unit_test(a_trap_in_a_plugin_is_called_one),
       cmocka_unit_test(a_file_that_is_written_over_is_named),
       cmocka_unit_test(a_file_that_is_replaced_by_renaming_is_as_good_as_before),

@@ -106,12 +106,44 @@ static void a_scene_may_begin_empty_with_a_source(void **state) {
   test_engine_close(&e);
 }
 
+/* Grains fall from a source while allocation k of the plugins fails, for every k until the run goes: a status and a
+ * cause each time. Where births could not be told to all plugins, the summary asks none of them for an energy. */
+static void without_memory_at_a_birth_the_run_ends_and_has_a_summary(void **state) {
+  (void)state;
+  hk_summary s;
+  long k = 1, unknown = 0;
+  for (bool went = false; !went; k++) {
+    test_engine e;
+    test_engine_open(&e);
+    for (int i = 0; i < 3; i++) test_particle(&e, 0.19 * i, 0, 0, 1);
+    hk_plugin_spec *grains = test_plugin(&e, HK_FORCE, "soft_spheres");
+    test_number(&e, grains, "radius", 0.1);
+    test_number(&e, grains, "stiffness", 100);
+    hk_plugin_spec *spout = test_plugin(&e, HK_SOURCE, "fixture:spout");
+    test_number(&e, spout, "every", 0.1);
+    test_number(&e, spout, "lifetime", 0.15);
+    e.options.dt = 1.0 / 64;
+    e.options.integrator = "leapfrog";
+    e.options.allocations = k;
+    hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
+    if (status == HK_OK) status = hk_run_advance(e.run, 0.4, &e.error);
+    went = status == HK_OK;
+    if (e.run) hk_run_summary(e.run, &s);
+    unknown += e.run && !went && isnan(s.energy_last);
+    if (!went && (status != HK_NO_MEMORY || !strstr(e.error.text, "no memory")))
+      fail_msg("allocation %ld: status %d, %s", k, (int)status, e.error.text);
+    test_engine_close(&e);
+  }
+  assert_true(k > 20 && unknown > 5);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(births_append_new_ids_and_keep_the_old),
       cmocka_unit_test(deaths_close_ranks_and_take_their_springs),
       cmocka_unit_test(strangers_do_not_disturb),
       cmocka_unit_test(newborn_without_mass_is_refused),
+      cmocka_unit_test(without_memory_at_a_birth_the_run_ends_and_has_a_summary),
       cmocka_unit_test(a_scene_may_begin_empty_with_a_source),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -68,6 +68,21 @@ static void a_pair_that_is_joined_twice_is_named(void **state) {
   expect_warnings(list, sizeof list / sizeof *list);
 }
 
+/* In one list, in any direction; two forces on one pair are meant. */
+static void a_pair_that_a_force_has_twice_is_named(void **state) {
+  (void)state;
+  static const warned list[] = {
+      {CHAIN "scene:force('springs', { edges = { {1, 2}, {2, 3}, {3, 4}, {3, 2} }, k = 1 })\n",
+       "scene.lua:3: springs: edges[4] joins particles 3 and 2, as edges[2] does, and both act: leave one of them out"},
+      {CHAIN "scene:force('cubic_springs', { edges = { {1, 2}, {3, 4}, {1, 2} }, k = 1 })\n",
+       "scene.lua:3: cubic_springs: edges[3] joins particles 1 and 2, as edges[1] does"},
+  };
+  expect_warnings(list, sizeof list / sizeof *list);
+  run(CHAIN "scene:force('springs', { edges = s:edges(), k = 1 })\n"
+            "scene:force('springs', { edges = s:edges(), k = 2 })\n");
+  if (strstr(r.err, "both act")) fail_msg("two forces: %s", r.err);
+}
+
 static void particles_that_nothing_holds_together_are_named(void **state) {
   (void)state;
   static const warned list[] = {
@@ -142,6 +157,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(parts_without_effect_are_named),
       cmocka_unit_test(a_pair_that_is_joined_twice_is_named),
+      cmocka_unit_test(a_pair_that_a_force_has_twice_is_named),
       cmocka_unit_test(particles_that_nothing_holds_together_are_named),
       cmocka_unit_test(what_something_else_replaces_is_named),
       cmocka_unit_test(what_is_guessed_is_said),

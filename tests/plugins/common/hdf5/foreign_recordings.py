@@ -1,5 +1,6 @@
 """Makes of a good recording one that a stranger may have written: foreign_recordings.py GOOD SECRET NAME TARGET; NAME
 "list" prints the names. Each has one thing that no recording of hooke has."""
+import ctypes
 import shutil
 import sys
 
@@ -50,6 +51,45 @@ def external_group(file):
 
 def soft_link(file):
     replaced(file, "VTKHDF/PointData/velocity", lambda g, n: g.__setitem__(n, h5py.SoftLink("/VTKHDF/Points")))
+
+
+class LinkClass(ctypes.Structure):
+    """H5L_class_t, version 0: what a link does when it is followed is its own function's."""
+    _fields_ = [("version", ctypes.c_int), ("id", ctypes.c_int), ("comment", ctypes.c_char_p),
+                ("create", ctypes.c_void_p), ("move", ctypes.c_void_p), ("copy", ctypes.c_void_p),
+                ("traverse", ctypes.c_void_p), ("delete", ctypes.c_void_p), ("query", ctypes.c_void_p)]
+
+
+def make_own_link(group, name):
+    """A link of a kind that this file's writer has defined; h5py has no function for it, the library it uses does."""
+    path = next(line.split()[-1] for line in open("/proc/self/maps") if "libhdf5" in line and "_hl" not in line)
+    library, kind = ctypes.CDLL(path), 187
+    follow = ctypes.CFUNCTYPE(ctypes.c_int64)(lambda: -1)
+    own = LinkClass(0, kind, b"own", None, None, None, ctypes.cast(follow, ctypes.c_void_p), None, None)
+    assert library.H5Lregister(ctypes.byref(own)) >= 0
+    create = library.H5Lcreate_ud
+    create.argtypes = [ctypes.c_int64, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int64,
+                       ctypes.c_int64]
+    value = secret.encode()
+    assert create(group.id.id, name.encode(), kind, value, len(value), 0, 0) >= 0
+
+
+def own_link(file):
+    replaced(file, "VTKHDF/PointData/velocity", make_own_link)
+
+
+def own_link_to_a_group(file):
+    replaced(file, "VTKHDF/FieldData", make_own_link)
+
+
+def own_link_to_the_description(file):
+    del file["hooke"]
+    make_own_link(file, "hooke")
+
+
+def external_description(file):
+    del file["hooke"]
+    file["hooke"] = h5py.ExternalLink(good, "/hooke")
 
 
 def virtual(file):
@@ -197,7 +237,7 @@ def part_that_does_not_exist(file):
 
 
 kinds = [array_of_texts, array_of_labels, array_of_numbers, external_storage, external_link, external_group, soft_link,
-         virtual, compound, texts_for_numbers, three_dimensions, too_wide, more_particles_than_bytes,
+         own_link, own_link_to_a_group, own_link_to_the_description, external_description, virtual, compound, texts_for_numbers, three_dimensions, too_wide, more_particles_than_bytes,
          more_frames_than_bytes, more_frames_than_rows, negative_frames, more_particles_than_rows, rows_before_the_first,
          cells_that_do_not_exist, corners_that_do_not_exist, part_that_does_not_exist, deflated_twice, filter_of_others,
          chunk_of_gigabytes, text_of_gigabytes, names_for_the_same_bytes, names_for_the_same_series, group_in_itself]
