@@ -78,6 +78,9 @@ static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(
   return visit(context, array->item, array->count * f->width);
 }
 
+/* No run counts to 2^53: it is a damaged checkpoint's, with which counting on would overflow. */
+static bool is_absurd(int64_t count) { return count > INT64_C(1) << 53 || count < -(INT64_C(1) << 53); }
+
 bool hk_fields_visit(hk_instance *instance, size_t n, size_t size,
                      bool (*visit)(void *context, void *data, size_t bytes), void *context) {
   bool fine = true;
@@ -88,7 +91,7 @@ bool hk_fields_visit(hk_instance *instance, size_t n, size_t size,
     else if (is_vector(f))
       fine = visit(context, *(double **)field_at(instance, f), length_of(instance, f, n, size) * sizeof(double));
     else
-      fine = visit(context, field_at(instance, f), 8);
+      fine = visit(context, field_at(instance, f), 8) && !(f->integer && is_absurd(*(int64_t *)field_at(instance, f)));
   }
   return fine;
 }

@@ -2,8 +2,9 @@
  * of two evaluations, a function that they follow goes up or down; one that goes up and down again has a total
  * variation above its net change. This excess is compared with the net changes in the windows beside it: at a maximum
  * of a motion that is followed it is the smaller one by far (a quarter, at ten evaluations a period), in a pulse or a
- * vibration the larger one. A jump has no excess. A window is laid at every sample, so that whatever is shorter than it
- * is within one, wherever it begins, and a vibration in phase with the evaluations is found. */
+ * vibration the larger one. A single jump in a window does not count, whatever slope it interrupts. A window is laid at
+ * every sample, so that whatever is shorter than it is within one, wherever it begins, and a vibration in phase with
+ * the evaluations is found. */
 #include "core/numerics/functions/functions.h"
 
 #include <string.h>
@@ -48,19 +49,43 @@ static size_t reach(const hk_samples *list, size_t first, double length, size_t 
   return now;
 }
 
-/* Lays the window at a sample; *sum: the total variation in it. */
-static void lay(const scan *s, window *w, size_t first, double *sum) {
+/* What the function does between the samples of a window. */
+typedef struct path {
+  double variation, jumped; /* the sums of changes' magnitudes, and of jumps */
+  size_t jumps;
+} path;
+
+/* `times` 1 or -1: from one sample to another, added or taken away. */
+static void add_changes(const scan *s, path *p, size_t from, size_t to, int times) {
+  const hk_sample *item = s->list->item;
+  for (size_t k = from; k < to; k++) {
+    double here = change(s, k, k + 1);
+    bool jumps = item[k + 1].t - item[k].t <= s->list->narrowest && here > visible * s->list->range[s->column];
+    p->variation += times * here;
+    if (!jumps) continue;
+    p->jumped += times * (value(s, k + 1) - value(s, k));
+    p->jumps += (size_t)times;
+  }
+}
+
+static double excess_of(const scan *s, const path *p, size_t first, size_t last) {
+  if (p->jumps != 1) return p->variation - change(s, first, last);
+  return p->variation - fabs(p->jumped) - fabs(value(s, last) - value(s, first) - p->jumped);
+}
+
+/* Lays the window at a sample. */
+static void lay(const scan *s, window *w, size_t first, path *p) {
   const hk_samples *list = s->list;
   double length = s->distance(s->context, list->item[first].t);
   size_t last = reach(list, first, length, w->last > first ? w->last : first);
-  for (size_t k = w->last; k < last; k++) *sum += change(s, k, k + 1);
-  for (size_t k = last; k < w->last; k++) *sum -= change(s, k, k + 1);
-  for (size_t k = w->first; k < first; k++) *sum -= change(s, k, k + 1);
+  add_changes(s, p, w->last, last, 1);
+  add_changes(s, p, last, w->last, -1);
+  add_changes(s, p, w->first, first, -1);
   w->first = first;
   w->last = last;
   w->next = reach(list, last, length, w->next > last ? w->next : last);
   while (list->item[w->before].t < list->item[first].t - length) w->before++;
-  w->excess = *sum - change(s, first, last);
+  w->excess = excess_of(s, p, first, last);
   w->net = net_change(s, w->before, first, length) + net_change(s, last, w->next, length);
 }
 
@@ -124,9 +149,10 @@ static void take(const scan *s, const window *w, double piece[2]) {
  * length of a window: a pulse is within it as a whole. */
 static void slide(const scan *s) {
   window w = {.first = 0}, best = {.excess = 0};
-  double sum = 0, piece[2] = {INFINITY, -INFINITY};
+  path inside = {0};
+  double piece[2] = {INFINITY, -INFINITY};
   for (size_t first = 0; first < s->list->count; first++) {
-    lay(s, &w, first, &sum);
+    lay(s, &w, first, &inside);
     bool varies = varies_in(s, &w);
     if (best.excess > 0 && (!varies || first > best.last)) {
       take(s, &best, piece);

@@ -138,14 +138,14 @@ static bool krylov(work *k) {
   for (int i = 0; i <= k->w->krylov_most; i++) {
     if (k->s->linear->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
-    double next = hk_dot(r, z, m);
+    double next = hk_inner_product(r, z, m);
     if (!(next >= 0)) return false;
     if (i == 0) first = next;
     if (next <= forcing * forcing * first) return true;
     for (size_t e = 0; e < m; e++) p[e] = i == 0 ? z[e] : z[e] + next / rz * p[e];
     rz = next;
     hk_block_product(k->s->host, &k->A, p, q);
-    double curvature = hk_dot(p, q, m);
+    double curvature = hk_inner_product(p, q, m);
     if (!(curvature > 0)) return false;
     double alpha = rz / curvature;
     for (size_t e = 0; e < m; e++) {
@@ -193,8 +193,8 @@ static void advance(const work *k, double alpha) {
 
 /* Whether a step is too long: p.R is positive and above 0.9 of its initial size, or |R| has not decreased. */
 static bool overshoots(const work *k, double slope, double size) {
-  if (k->by_size) return !(hk_dot(k->R, k->R, k->m) <= size);
-  return !(hk_dot(k->dv, k->R, k->m) <= -0.9 * slope);
+  if (k->by_size) return !(hk_inner_product(k->R, k->R, k->m) <= size);
+  return !(hk_inner_product(k->dv, k->R, k->m) <= -0.9 * slope);
 }
 
 /* The safe fraction of dv; 1 in scenes without contact. */
@@ -223,7 +223,7 @@ static hk_status judge_step(work *k, const hk_descent *d, double alpha, double s
 /* Searches along dv from v_old for a step that is not too long; R is then that of the new v. HK_NOT_CONVERGED: there is
  * none. */
 static hk_status search(work *k, double *taken) {
-  double slope = hk_dot(k->dv, k->R, k->m), size = hk_dot(k->R, k->R, k->m), alpha = 1;
+  double slope = hk_inner_product(k->dv, k->R, k->m), size = hk_inner_product(k->R, k->R, k->m), alpha = 1;
   bool descends = slope < 0 || k->by_size, good = false;
   hk_descent descent;
   hk_status status = safe_part(k, &alpha);
@@ -268,7 +268,7 @@ static pace start_pace(const work *k) {
 static double energy_norm(const work *k) {
   double mass = 0;
   for (size_t i = 0; i < k->s->n; i++) mass += k->s->model->inverse_mass[i] > 0 ? k->s->model->mass[i] : 0;
-  return mass > 0 ? sqrt(fabs(hk_dot(k->dv, k->R, k->m)) / (3 * mass)) : 0;
+  return mass > 0 ? sqrt(fabs(hk_inner_product(k->dv, k->R, k->m)) / (3 * mass)) : 0;
 }
 
 static hk_status next_direction(work *k, pace *p, double *size) {

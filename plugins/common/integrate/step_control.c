@@ -8,7 +8,7 @@ enum { LANES = 8 };
 static const double at_rest = 1e-6;  /* a speed that counts as rest: this part of the extent per step */
 static const double smallest = 1e-6; /* a number of a channel that counts as 0: this part of the channel's largest */
 
-double hk_dot(const double *a, const double *b, size_t count) {
+double hk_inner_product(const double *a, const double *b, size_t count) {
   double sum[LANES] = {0}, total = 0;
   size_t e = 0;
   for (; e + LANES <= count; e += LANES)
@@ -18,7 +18,7 @@ double hk_dot(const double *a, const double *b, size_t count) {
   return total;
 }
 
-double hk_rms(const double *p, size_t count) { return count ? sqrt(hk_dot(p, p, count) / (double)count) : 0; }
+double hk_rms(const double *p, size_t count) { return count ? sqrt(hk_inner_product(p, p, count) / (double)count) : 0; }
 
 double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 

@@ -20,7 +20,7 @@ typedef struct hk_scales {
 
 double hk_rms(const double *list, size_t count);
 /* A scalar product, in eight partial sums for speed; their order is fixed. */
-double hk_dot(const double *a, const double *b, size_t count);
+double hk_inner_product(const double *a, const double *b, size_t count);
 double hk_rms_free(const hk_system *, const double *p); /* p: n x 3; of the particles that move freely */
 void hk_scales_notice(hk_scales *, const hk_system *, const double *v, const double *a);
 /* Used where all particles are in one place, at rest and without forces, so that no scale is known: sets the scales to

@@ -274,6 +274,31 @@ static void numbers_in_it_are_not_believed(void **state) {
   assert_true(refused > 20 && refused < 9 * words); /* the sum is right */
 }
 
+/* How many words are refused where they have this value. */
+static size_t refused_with(const bytes *whole, uint64_t value, const char *path) {
+  const size_t begin = strlen("hooke checkpoint 7\n"), words = (whole->count - begin - 8) / 8;
+  size_t refused = 0;
+  char text[1024];
+  for (size_t w = 0; w < words; w++) {
+    bytes b = *whole;
+    memcpy(b.byte + begin + 8 * w, &value, 8);
+    sum_again(&b);
+    write_bytes(path, &b, b.count);
+    refused += open_from(fed_by_a_source, path, text, sizeof text) != HK_OK;
+  }
+  return refused;
+}
+
+/* A plugin that counts on would overflow; of other words both are the same damage. */
+static void counts_beyond_any_run_are_refused(void **state) {
+  (void)state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
+  bytes whole = saved(fed_by_a_source, path);
+  size_t large = refused_with(&whole, 1ull << 52, path), absurd = refused_with(&whole, (1ull << 53) + 1, path);
+  assert_true(absurd > large);
+}
+
 static void with_an_obstacle(test_engine *e) {
   two_particles(e);
   test_plugin(e, HK_FORCE, "gravity");
@@ -330,6 +355,7 @@ int main(void) {
       cmocka_unit_test(one_that_is_cut_short_is_refused_at_every_length),
       cmocka_unit_test(one_with_any_byte_changed_is_refused),
       cmocka_unit_test(numbers_in_it_are_not_believed),
+      cmocka_unit_test(counts_beyond_any_run_are_refused),
       cmocka_unit_test(a_list_of_another_length_than_the_plugin_gave_it_is_refused),
       cmocka_unit_test(another_version_and_another_scene_are_refused),
   };
