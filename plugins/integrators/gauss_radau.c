@@ -19,7 +19,6 @@
 #include "core/plugin/facets/adaptive.h"
 #include "plugins/common/integrate/radau.h"
 #include "plugins/common/integrate/step_control.h"
-#include "plugins/kit/integrate/growth_factor.h"
 
 #include <float.h>
 #include <string.h>
@@ -270,17 +269,6 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   }
 }
 
-/* Where the sweeps converge, the step is the solution to rounding, and so is its growth: on an oscillator up to h w =
- * 2, and with forces of the velocity up to h |g + i b| = 0.3, found by iterating on it. Elsewhere steps are rejected.
- */
-static double growth(const void *self, const void *method, double hw, double hg, double hb) {
-  double complex z[2];
-  (void)self, (void)method;
-  hk_oscillator_roots(hw, hg + hb * I, z);
-  if (!(hw <= 2) || !(hypot(hg, hb) <= 0.3)) return INFINITY;
-  return exp(fmax(creal(z[0]), creal(z[1])));
-}
-
 static const hk_adaptive_facet adaptive = {
     .size = sizeof adaptive, .tolerance = DBL_EPSILON, .finest = DBL_EPSILON / 200, .evaluations = 25};
 static const hk_facet facets[] = {{HK_ADAPTIVE_ID, &adaptive}, {0}};
@@ -291,7 +279,6 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .flags = HK_ADAPTIVE,
                                          .step = step,
                                          .reset = reset,
-                                         .growth = growth,
                                          .facets = facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -351,7 +351,9 @@ static hk_status iterate(work *k) {
 }
 
 /* A solution behind a barrier, above the state in which nothing moves, is given up for the one beside that: implicit
- * steps that are long beside buckling have several, and can go to and fro between them for ever. */
+ * steps that are long beside buckling have several, and can go to and fro between them for ever. In a scene with
+ * contact every search descends on the incremental potential, and no state may be tried that contact was not told of.
+ */
 static hk_status require_minimum(work *k) {
   const double *power = k->a + k->m + (k->s->size - 2 * k->m - 1);
   bool above = false;
@@ -385,7 +387,7 @@ hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   if (status == HK_OK) status = set_channels(&k, true);
   k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || hk_system_equations(s) > 0;
   if (status == HK_OK) status = iterate(&k);
-  if (status == HK_OK && k.doubtful && !k.by_size) status = require_minimum(&k);
+  if (status == HK_OK && k.doubtful && !k.by_size && !s->contact) status = require_minimum(&k);
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
   return status;
 }
