@@ -44,7 +44,7 @@ static double true_error(void) {
   double sum = 0;
   for (int i = 0; i < 3; i++)
     for (int c = 0; c < 2; c++) {
-      char name[8];
+      char name[32];
       snprintf(name, sizeof name, "x%d%d", i + 1, c + 1);
       double off = test_json(r.out, name) - there[i][c];
       sum += off * off;
