@@ -212,10 +212,10 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->growth_expected = p->growth_expected;
 }
 
-/* Times that are not finite, or of cells that are not, would be looked for without end. The time of the last step and
- * that of the state are computed in two ways, which differ by rounding. */
+/* Times that are not finite, or of cells that are not, would be looked for without end. The last evaluation may be
+ * later than the state: where a step takes very many, those of attempts that were given up count as well. */
 static bool plausible_times(const hk_evaluations *e, double t) {
-  bool last = isnan(e->last) || (isfinite(e->last) && e->last <= t + e->cell);
+  bool last = isnan(e->last) || (isfinite(e->last) && e->last <= fmax(t + e->cell, HK_CELLS * e->cell));
   bool fine = e->pending <= HK_PENDING && e->cell > 0 && isfinite(e->cell) && last;
   for (size_t k = 0; k < e->pending && fine; k++) fine = isfinite(e->time[k]);
   return fine;
