@@ -142,6 +142,9 @@ static bool attempt(search *s, wish w) {
   s->found->perturbation = o.perturb;
   s->found->reserve = s->strict->reserve;
   if (!reached) hk_trajectory_free(&s->found->trajectory);
+  if (s->error.status == HK_NO_MEMORY)
+    hk_warn(whole->loop.warnings, "no memory for a run with %s, with which this one would be compared: %s",
+            plugin->name, s->error.text);
   return reached;
 }
 
