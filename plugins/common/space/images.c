@@ -19,8 +19,10 @@ static hk_status make_room(hk_images *m, const hk_host *host, size_t count) {
   double *x = room < UINT32_MAX ? host->allocate(host, 3 * room * sizeof *x) : NULL;
   uint32_t *of = x ? host->allocate(host, room * sizeof *of) : NULL;
   if (!of) return host->fail(host, HK_NO_MEMORY, "no memory for the images of %zu particles", m->n);
-  memcpy(x, m->x, 3 * m->count * sizeof *x);
-  memcpy(of, m->of, m->count * sizeof *of);
+  if (m->count > 0) { /* or there is nothing yet to copy from */
+    memcpy(x, m->x, 3 * m->count * sizeof *x);
+    memcpy(of, m->of, m->count * sizeof *of);
+  }
   host->release(host, m->x);
   host->release(host, m->of);
   m->x = x, m->of = of, m->room = room;
