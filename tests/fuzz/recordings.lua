@@ -1,4 +1,5 @@
--- Damaged recordings of the output trajectory, in `hooke convert` and `hooke view`; see tests/support/fuzz/run.lua.
+-- Damaged recordings of the output trajectory, in `hooke convert` and `hooke view`; see tests/support/fuzz/run.lua. HDF5
+-- 1.10 leaks and crashes by itself in some damaged files: leaks are not looked for, and what falls within it is its own.
 package.path = assert(os.getenv("HK_ROOT")) .. "/tests/support/?.lua;" .. package.path
 local run = require("fuzz.run")
 local bytes = require("fuzz.bytes")
@@ -65,6 +66,7 @@ run.fuzz {
   cases = 30,
   prepare = record,
   make = function()
-    return { files = { ["trajectory.h5"] = damaged(whole[math.random(#whole)]) }, words = words[math.random(#words)] }
+    return { files = { ["trajectory.h5"] = damaged(whole[math.random(#whole)]) }, words = words[math.random(#words)],
+      library = "libhdf5", before = [[sh -c 'ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 exec "$@"' it]] }
   end,
 }
