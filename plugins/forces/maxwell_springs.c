@@ -162,7 +162,7 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
 static hk_status topology(void *self, const hk_view *view) {
   maxwell_springs *s = self;
   for (size_t e = 0; e < s->laws.edges.count; e++) move(s, view, e, 0);
-  return hk_edge_laws_sort(&s->laws, view);
+  return hk_edge_laws_topology(self, view);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -170,47 +170,20 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_status status = hk_edge_rest(host, view, &s->laws.edges, &s->rest);
   s->laws.law = law;
   s->laws.stiffest = stiffest;
-  s->laws.self = s;
   if (status == HK_OK) status = topology(self, view);
   for (size_t e = 0; e < s->laws.edges.count; e++) s->variable[VARIABLES * e + FORCE] = 0;
   return status;
-}
-
-static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  hk_edge_laws_add_part(&((const maxwell_springs *)self)->laws, view, part, F);
-}
-
-static void touch(void *self, const hk_view *view, const hk_part_use *use) {
-  (void)view;
-  hk_edge_laws_touch(&((const maxwell_springs *)self)->laws, use);
-}
-
-static double energy(void *self, const hk_view *view) {
-  return hk_edge_laws_energy(&((const maxwell_springs *)self)->laws, view);
-}
-
-static void pattern(void *self, const hk_view *view, hk_pattern *p) {
-  hk_edge_laws_pattern(&((const maxwell_springs *)self)->laws, view, p);
-}
-
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  hk_edge_laws_jacobian(&((const maxwell_springs *)self)->laws, view, into);
-  return HK_OK;
-}
-
-static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  hk_edge_laws_bound(&((const maxwell_springs *)self)->laws, view, part, block);
 }
 
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_CONSERVES_MOMENTUM |
              HK_CONSERVES_ANGULAR_MOMENTUM | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
-    .add_part = add_part,
-    .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_PARTS_FACET(.touch = touch),
-                        HK_INTERNAL_FACET(.evolve = evolve)),
+    .add_part = hk_edge_laws_add_part,
+    .energy = hk_edge_laws_energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_edge_laws_pattern, .jacobian = hk_edge_laws_jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = hk_edge_laws_bound),
+                        HK_PARTS_FACET(.touch = hk_edge_laws_touch), HK_INTERNAL_FACET(.evolve = evolve)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -102,10 +102,6 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
 
 /* ---- tables ---- */
 
-static hk_status topology(void *self, const hk_view *view) {
-  return hk_edge_laws_sort(&((plastic_springs *)self)->laws, view);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   plastic_springs *s = self;
   hk_status status = hk_edge_rest(host, view, &s->laws.edges, &s->rest);
@@ -118,45 +114,18 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->laws.law = law;
   s->laws.stiffest = stiffest;
   s->laws.gone = gone;
-  s->laws.self = s;
-  return status == HK_OK ? topology(self, view) : status;
-}
-
-static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  hk_edge_laws_add_part(&((const plastic_springs *)self)->laws, view, part, F);
-}
-
-static void touch(void *self, const hk_view *view, const hk_part_use *use) {
-  (void)view;
-  hk_edge_laws_touch(&((const plastic_springs *)self)->laws, use);
-}
-
-static double energy(void *self, const hk_view *view) {
-  return hk_edge_laws_energy(&((const plastic_springs *)self)->laws, view);
-}
-
-static void pattern(void *self, const hk_view *view, hk_pattern *p) {
-  hk_edge_laws_pattern(&((const plastic_springs *)self)->laws, view, p);
-}
-
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  hk_edge_laws_jacobian(&((const plastic_springs *)self)->laws, view, into);
-  return HK_OK;
-}
-
-static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  hk_edge_laws_bound(&((const plastic_springs *)self)->laws, view, part, block);
+  return status == HK_OK ? hk_edge_laws_topology(self, view) : status;
 }
 
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
              HK_OFFERS_DEFINITE,
-    .add_part = add_part,
-    .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_PARTS_FACET(.touch = touch),
-                        HK_INTERNAL_FACET(.evolve = evolve)),
+    .add_part = hk_edge_laws_add_part,
+    .energy = hk_edge_laws_energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_edge_laws_pattern, .jacobian = hk_edge_laws_jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = hk_edge_laws_bound),
+                        HK_PARTS_FACET(.touch = hk_edge_laws_touch), HK_INTERNAL_FACET(.evolve = evolve)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
@@ -169,6 +138,6 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .params = params,
     .fields = fields,
     .create = create,
-    .topology = topology,
+    .topology = hk_edge_laws_topology,
     .force = &force,
 };

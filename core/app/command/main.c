@@ -247,6 +247,21 @@ static hk_status try_targets(const hk_options *o, hk_error *error) {
   return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
 }
 
+/* What a run of the process has beside its options: signals, the watch over plugins, the confinement. */
+static void prepare(hk_options *o, hk_registry *registry, const hk_installation *p) {
+  catch_signals();
+  o->run.interrupted = &interrupted;
+  /* A script with full rights may write files: it is not run again unasked. */
+  o->run.compare = o->verify ? HK_COMPARE_ALWAYS : o->trust || o->no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
+  o->run.acting = hk_faults_watch(registry);
+  o->run.disturbed = hk_settings_watch();
+  o->run.thread_ended = hk_settings_thread_ended;
+  if (o->state) hk_keep_begin(o->state);
+  o->run.kept = hk_keep_frame;
+  o->run.progress = o->quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
+  if (!o->trust) o->run.caution = confine(o, registry, p);
+}
+
 static int run_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
   hk_error error = {0};
   hk_options o;
@@ -271,17 +286,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   } else if (o.help && !o.scene) {
     hk_options_print();
   } else {
-    catch_signals();
-    o.run.interrupted = &interrupted;
-    /* A script with full rights may write files: it is not run again unasked. */
-    o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust || o.no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
-    o.run.acting = hk_faults_watch(registry);
-    o.run.disturbed = hk_settings_watch();
-    o.run.thread_ended = hk_settings_thread_ended;
-    if (o.state) hk_keep_begin(o.state);
-    o.run.kept = hk_keep_frame;
-    o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
-    if (!o.trust) o.run.caution = confine(&o, registry, p);
+    prepare(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);

@@ -9,7 +9,8 @@
 /* m: below it an edge has no direction, since the square of its length has lost its digits. */
 static const double shortest = 1e-145;
 
-hk_status hk_edge_laws_sort(hk_edge_laws *s, const hk_view *view) {
+hk_status hk_edge_laws_topology(void *self, const hk_view *view) {
+  hk_edge_laws *s = self;
   return hk_part_sums_sort(&s->sums, view, &s->edges, view->is_active);
 }
 
@@ -28,7 +29,7 @@ double hk_edge_laws_measure(const hk_view *view, const uint32_t pair[2], double 
 }
 
 static bool acts(const hk_edge_laws *s, const hk_view *view, size_t e) {
-  return hk_edge_acts(view, hk_tuple(&s->edges, e)) && !(s->gone && s->gone(s->self, e));
+  return hk_edge_acts(view, hk_tuple(&s->edges, e)) && !(s->gone && s->gone(s, e));
 }
 
 static double pull(const void *laws, const hk_view *view, const uint32_t *item, size_t count, double *F) {
@@ -37,8 +38,8 @@ static double pull(const void *laws, const hk_view *view, const uint32_t *item, 
     const uint32_t *pair = hk_tuple(&s->edges, item[k]);
     hk_edge_answer a = {0};
     double n[3], rate, l = hk_edge_laws_measure(view, pair, n, &rate);
-    if (s->gone && s->gone(s->self, item[k])) continue;
-    s->law(s->self, view, item[k], l, rate, &a);
+    if (s->gone && s->gone(s, item[k])) continue;
+    s->law(s, view, item[k], l, rate, &a);
     for (int c = 0; c < 3; c++) {
       F[3 * (size_t)pair[0] + c] += a.force * n[c];
       F[3 * (size_t)pair[1] + c] -= a.force * n[c];
@@ -47,27 +48,32 @@ static double pull(const void *laws, const hk_view *view, const uint32_t *item, 
   return 0; /* what is dissipated is told by the force's `evolve` */
 }
 
-void hk_edge_laws_add_part(const hk_edge_laws *s, const hk_view *view, size_t part, double *F) {
+void hk_edge_laws_add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const hk_edge_laws *s = self;
   hk_part_sums_add(&s->sums, view, part, pull, s, F);
 }
 
-void hk_edge_laws_touch(const hk_edge_laws *s, const hk_part_use *use) {
+void hk_edge_laws_touch(void *self, const hk_view *view, const hk_part_use *use) {
+  const hk_edge_laws *s = self;
+  (void)view;
   hk_part_lists_touch(&s->sums.lists, &s->edges, use);
 }
 
-double hk_edge_laws_energy(const hk_edge_laws *s, const hk_view *view) {
+double hk_edge_laws_energy(void *self, const hk_view *view) {
+  const hk_edge_laws *s = self;
   double sum = 0, n[3], rate;
   for (size_t e = 0; e < s->edges.count; e++) {
     hk_edge_answer a = {0};
     if (!acts(s, view, e)) continue;
     double l = hk_edge_laws_measure(view, hk_tuple(&s->edges, e), n, &rate);
-    s->law(s->self, view, e, l, rate, &a);
+    s->law(s, view, e, l, rate, &a);
     sum += a.energy;
   }
   return sum;
 }
 
-void hk_edge_laws_pattern(const hk_edge_laws *s, const hk_view *view, hk_pattern *p) {
+void hk_edge_laws_pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const hk_edge_laws *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
     for (int b = 0; b < 4 && acts(s, view, e); b++)
       p->block(p, hk_tuple(&s->edges, e)[b / 2], hk_tuple(&s->edges, e)[b % 2]);
@@ -85,14 +91,15 @@ static void blocks_of(const hk_edge_answer *a, double l, const double n[3], cons
   }
 }
 
-void hk_edge_laws_jacobian(const hk_edge_laws *s, const hk_view *view, const hk_blocks *into) {
+hk_status hk_edge_laws_jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const hk_edge_laws *s = self;
   const size_t *slot = into->slot;
   for (size_t e = 0; e < s->edges.count; e++) {
     double n[3], u[3], rate, K[9], D[9];
     hk_edge_answer a = {0};
     if (!acts(s, view, e)) continue;
     double l = measure(view, hk_tuple(&s->edges, e), n, u, &rate);
-    s->law(s->self, view, e, l, rate, &a);
+    s->law(s, view, e, l, rate, &a);
     blocks_of(&a, l, n, u, rate, into->want, K, D);
     for (int b = 0; b < 4; b++)
       for (size_t q = 0; q < 9; q++) {
@@ -101,16 +108,18 @@ void hk_edge_laws_jacobian(const hk_edge_laws *s, const hk_view *view, const hk_
       }
     slot += 4;
   }
+  return HK_OK;
 }
 
-void hk_edge_laws_bound(const hk_edge_laws *s, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+void hk_edge_laws_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const hk_edge_laws *s = self;
   for (size_t e = 0; e < s->edges.count; e++) {
     double n[3], rate;
     hk_edge_answer a = {0};
     if (!acts(s, view, e)) continue;
     double l = hk_edge_laws_measure(view, hk_tuple(&s->edges, e), n, &rate);
-    s->law(s->self, view, e, l, rate, &a);
-    double across = l > shortest ? fmax(0, a.force / l) : 0, along = s->stiffest(s->self, e);
+    s->law(s, view, e, l, rate, &a);
+    double across = l > shortest ? fmax(0, a.force / l) : 0, along = s->stiffest(s, e);
     if (part == HK_DAMPING_WHOLE) along = fmax(0, a.damping), across = 0;
     hk_edge_stiffness_add(view, hk_tuple(&s->edges, e), n, along, across, block);
   }
