@@ -13,6 +13,7 @@ local template = require("common.view.template")
 local child = require("common.watch.child")
 local history = require("common.watch.history")
 local commands = require("common.watch.commands")
+local messages = require("common.watch.messages")
 local command_line = require("common.watch.command_line")
 
 local PUBLISH_EVERY = 0.03 -- s, the least time between two versions of the state: 30 a second
@@ -101,8 +102,6 @@ function session:obey(text)
   else
     if asked.pace then self.pace = asked.pace end
     if self.child then self.child:command(asked.line) end
-    if self.child and (asked.name == "pause" or asked.name == "step") then self.doing = "paused" end
-    if self.child and asked.name == "go" then self.doing = "running" end
     self:publish(true)
   end
 end
@@ -119,6 +118,7 @@ function session:turn()
   if self.child then
     self.child:read(ready, function(letter, body)
       self.history:hear(letter, body)
+      if letter == "D" then self.doing = messages.stopped(body) and "paused" or "running" end
       self.dirty = true
     end)
     if self.child:ended() then self:finish() end

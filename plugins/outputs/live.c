@@ -31,6 +31,8 @@ typedef struct live {
   hk_live_commands in;
   double began_wall, began; /* s: clock and run, where the pace was set last */
   double pace;
+  bool left_out; /* of the present frame its numbers alone were told */
+  bool stopped;  /* and the reader knows it */
 } live;
 
 static const hk_param params[] = {
@@ -64,15 +66,20 @@ static bool is_pipe(int64_t fd) {
 }
 
 /* Forces are evaluated for a frame that will be sent. */
+static hk_status tell_state(live *l, const hk_view *view, const hk_frame *frame) {
+  hk_status status = hk_gatherer_forces(&l->gatherer, view, frame);
+  if (status == HK_OK) hk_live_send_state(&l->out, &l->gatherer.data, frame);
+  return status;
+}
+
 static hk_status tell_frame(live *l, const hk_view *view, const hk_frame *frame) {
+  l->left_out = false;
   if (l->out.queue.broken) return HK_OK;
   hk_status status = hk_gatherer_frame(&l->gatherer, view, frame, &(hk_tuples){0});
   if (status != HK_OK) return status;
   if (l->gatherer.changed) hk_live_send_topology(&l->out, &l->gatherer.data);
-  if (!hk_live_send_numbers(&l->out, &l->gatherer.data, frame)) return HK_OK;
-  status = hk_gatherer_forces(&l->gatherer, view, frame);
-  if (status == HK_OK) hk_live_send_state(&l->out, &l->gatherer.data, frame);
-  return status;
+  l->left_out = !hk_live_send_numbers(&l->out, &l->gatherer.data, frame);
+  return l->left_out ? HK_OK : tell_state(l, view, frame);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
@@ -108,25 +115,39 @@ static double ahead(live *l, double t) {
   return l->pace > 0 ? (t - l->began) / l->pace - (wall() - l->began_wall) : 0;
 }
 
+/* Tells whether the run stands still. The reader has the frame at which it does, also where it was too slow for it. */
+static hk_status tell_doing(live *l, const hk_view *view, const hk_frame *frame, bool stopped) {
+  if (!l->out.queue.open) return HK_OK;
+  hk_status status = stopped && l->left_out ? tell_state(l, view, frame) : HK_OK;
+  if (l->stopped != stopped) hk_live_send_doing(&l->out, stopped);
+  l->left_out = false;
+  l->stopped = stopped;
+  return status;
+}
+
 /* Waits while the user has stopped the run, and for the clock. */
-static void wait_for_user(live *l, double t) {
+static hk_status wait_for_user(live *l, const hk_view *view, const hk_frame *frame) {
   static const double look = 0.1; /* s: a signal that came before the wait is seen after so much */
+  double t = view->t;
+  hk_status status = HK_OK;
   hk_live_read(&l->in, 0);
   for (double left; !l->in.closed && !interrupted(l) && ((left = ahead(l, t)) > 0 || hk_live_stopped(&l->in));) {
     bool stopped = hk_live_stopped(&l->in);
+    if (stopped) status = tell_doing(l, view, frame, true);
+    if (status != HK_OK) return status;
     hk_live_read(&l->in, stopped || left > look ? look : left);
     if (stopped) l->pace = -1; /* the time that it stood still does not count */
   }
   if (l->in.steps > 0) l->in.steps--;
+  return l->in.paused ? HK_OK : tell_doing(l, view, frame, false);
 }
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *frame) {
   live *l = self;
   hk_status status = l->out.queue.open ? tell_frame(l, view, frame) : HK_OK;
-  if (status != HK_OK) return status;
-  wait_for_user(l, view->t);
-  l->hand->move(l->hand->self, view, 1 / frame->fps, l->in.held, l->in.place, l->in.strength);
-  return HK_OK;
+  if (status == HK_OK) status = wait_for_user(l, view, frame);
+  if (status == HK_OK) l->hand->move(l->hand->self, view, 1 / frame->fps, l->in.held, l->in.place, l->in.strength);
+  return status;
 }
 
 static hk_status close(void *self, hk_verdict verdict) {

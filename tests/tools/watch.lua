@@ -209,9 +209,7 @@ end
 function tests.pause_step_go_stop()
   with("--no-output --until 1000 --quiet", function(w)
     equal(w:ask { ["do"] = "pause" }, 204, "pause")
-    w:wait(function(s) return s.doing == "paused" end)
-    child.sleep(0.2)
-    local first = w:state().frames
+    local first = w:wait(function(s) return s.doing == "paused" end).frames -- the run has said so: no frame is on its way
     child.sleep(0.2)
     equal(w:state().frames, first, "frames while it is paused")
     w:ask { ["do"] = "step" }
@@ -255,6 +253,22 @@ local function last_rows(path)
     if #row > 0 then rows[#rows + 1] = row end
   end
   return rows
+end
+
+-- A run whose frames take long is "paused" when it stands still, not when somebody has asked for it.
+function tests.it_is_paused_when_it_stands_still()
+  with("--no-output --until 1000 --dt 1e-7 --quiet", function(w)
+    for _ = 1, 2 do
+      w:ask { ["do"] = "pause" }
+      local state = w:wait(function(s) return s.doing == "paused" end)
+      equal(state.latest, state.frames - 1, "the frame at which it stands still")
+      child.sleep(0.6)
+      equal(w:state().frames, state.frames, "frames while it is paused")
+      w:ask { ["do"] = "go" }
+      w:wait(function(s) return s.doing == "running" and s.frames > state.frames end)
+    end
+    equal(w:interrupt(), 130, "exit code")
+  end)
 end
 
 -- What a page of a watched run is sent is what the recording of that run holds: fields, edges, and every number as a float.

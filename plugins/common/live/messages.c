@@ -176,3 +176,11 @@ void hk_live_send_state(hk_live_messages *m, const hk_frame_data *d, const hk_fr
   }
   hk_live_unlock(&m->queue);
 }
+
+void hk_live_send_doing(hk_live_messages *m, bool stopped) {
+  uint32_t word = stopped;
+  hk_live_lock(&m->queue);
+  char *at = m->queue.broken ? NULL : hk_live_begin(&m->queue, 'D', sizeof word);
+  if (at) hk_live_put(&at, &word, sizeof word);
+  hk_live_unlock(&m->queue);
+}

@@ -9,7 +9,9 @@
  *   F  uint32_t: frame, its topology, n, 0; double: t; float: positions from the origin (3n), the fields in their
  * order, then the places of S and the marks (surroundings.h)
  *
- * All numbers are little-endian. N is sent at every frame, F where the reader keeps up. */
+ *   D  uint32_t: 1 when the run has stopped because the user wants it to, 0 when it goes on: nothing comes in between
+ *
+ * All numbers are little-endian. N is sent at every frame, F where the reader keeps up, and where the run stops. */
 #ifndef HK_LIVE_MESSAGES_H
 #define HK_LIVE_MESSAGES_H
 
@@ -33,5 +35,6 @@ void hk_live_send_topology(hk_live_messages *, const hk_frame_data *);
 /* N. Whether F is sent as well: it is left out where one waits already. */
 bool hk_live_send_numbers(hk_live_messages *, const hk_frame_data *, const hk_frame *);
 void hk_live_send_state(hk_live_messages *, const hk_frame_data *, const hk_frame *);
+void hk_live_send_doing(hk_live_messages *, bool stopped);
 
 #endif

@@ -52,4 +52,9 @@ function messages.frame(body)
   return string.unpack("<I4I4I4", body)
 end
 
+-- Whether the run stands still, from D.
+function messages.stopped(body)
+  return string.unpack("<I4", body) == 1
+end
+
 return messages
