@@ -9,7 +9,8 @@
  * With a channel of angular velocities whose rate is this force, spheres are solid balls that roll and spin:
  *     scene:channel("spin", { size = 3, rate = "soft_spheres" }),     scene:force("soft_spheres", { spin = "spin", ...
  * }) Forces act at the middle of the overlap, so angular momentum is kept as well. The energy is that of the normal
- * springs and of the spin; dashpots, friction and the tangential springs work (HK_POWER).
+ * springs and, unless another force of grains has it (spins.h), of the spin; dashpots, friction and the tangential
+ * springs work (HK_POWER).
  *
  * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived in crowd.c, or
  * from those that it has now, if they are more. */
@@ -166,12 +167,11 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
   double sum = 0, r[3], distance = 0;
   for (size_t k = first; k < end; k++) {
     size_t i = acting(t->view, k);
-    const double *w = hk_sphere_spin(&s->spheres, t->view, i);
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       double d = overlap(t, t->box, i, t->rows.other[e], r, &distance);
       sum += s->law.stiffness / 4 * d * d; /* of each pair twice */
     }
-    if (w) sum += hk_sphere_inertia(&s->spheres, t->view, i) / 2 * hk_dot(w, w);
+    sum += hk_sphere_rotation(&s->spheres, t->view, i);
   }
   s->sums[chunk] = sum;
 }
@@ -308,7 +308,7 @@ static hk_status topology(void *self, const hk_view *view) {
   s->host->release(s->host, s->sums);
   s->sums = s->host->allocate(s->host, (view->n / GRAIN + 1) * sizeof *s->sums);
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  hk_status status = hk_spheres_check(&s->spheres, view);
+  hk_status status = hk_spheres_topology(&s->spheres, view);
   if (status == HK_OK) status = hk_grain_history_adapt(&s->history, view, true);
   return status == HK_OK ? s->service->reach_images(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
                          : status;

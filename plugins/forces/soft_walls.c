@@ -4,7 +4,7 @@
  *
  * A plane leaves free what lies on the side of its normal. The funnel is two cones about an upright axis that open up-
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
- * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
+ * edge. With a slope of 0 it is a pipe. Parameters and the energy of the spin mean what they mean in soft_spheres. */
 #include "plugins/common/grains/funnel_mesh.h"
 #include "plugins/common/grains/grain_tables.h"
 #include "plugins/common/obstacles/obstacles_service.h"
@@ -164,6 +164,7 @@ static double energy(void *self, const hk_view *view) {
       double d = hk_sphere_radius(&s->spheres, view, i) - from_wall(s, wall, view->x + 3 * i, n);
       if (d > 0) sum += s->law.stiffness / 2 * d * d;
     }
+    sum += hk_sphere_rotation(&s->spheres, view, i);
   }
   return sum;
 }
@@ -244,7 +245,7 @@ static hk_status topology(void *self, const hk_view *view) {
   s->host->release(s->host, s->sums);
   s->sums = s->host->allocate(s->host, (view->n / GRAIN + 1) * sizeof *s->sums);
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  hk_status status = hk_spheres_check(&s->spheres, view);
+  hk_status status = hk_spheres_topology(&s->spheres, view);
   return status == HK_OK ? hk_grain_history_adapt(&s->history, view, false) : status;
 }
 

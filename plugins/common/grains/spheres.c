@@ -14,13 +14,30 @@ static hk_status find(const hk_view *view, const char *parameter, const char *na
                           parameter, name, size, size > 1 ? "s" : "", name, size);
 }
 
+static hk_status join(hk_spheres *s, const hk_host *host) {
+  s->spins = host->query(host, HK_SPINS_INTERFACE);
+  if (!s->spins)
+    return host->fail(
+        host, HK_FAILED,
+        "spin: it needs the service 'spins/1', and no plugin of that name is installed in services/; see: "
+        "hooke plugins");
+  s->number = s->spins->join(s->spins->self);
+  return HK_OK;
+}
+
 hk_status hk_spheres_open(hk_spheres *s, const hk_view *view) {
   s->radius_channel = s->spin_channel = NULL;
   if (isnan(s->radius) == !s->radii)
     return view->host->fail(view->host, HK_BAD_PARAM, "give either radius = NUMBER or radii = \"CHANNEL\"");
   hk_status status = find(view, "radii", s->radii, 1, &s->radius_channel);
   if (status == HK_OK) status = find(view, "spin", s->spin, 3, &s->spin_channel);
+  if (status == HK_OK && s->spin) status = join(s, view->host);
   return status == HK_OK ? hk_spheres_check(s, view) : status;
+}
+
+hk_status hk_spheres_topology(const hk_spheres *s, const hk_view *view) {
+  if (s->spins) s->spins->claim(s->spins->self, view, s->number);
+  return hk_spheres_check(s, view);
 }
 
 hk_radii hk_spheres_measure(const hk_spheres *s, const hk_view *view) {

@@ -2,16 +2,21 @@
 #ifndef HK_SPHERES_H
 #define HK_SPHERES_H
 
-#include "core/plugin.h"
+#include "plugins/common/grains/spins.h"
 
 typedef struct hk_spheres {
   double radius;            /* m; NAN: from the channel */
   const char *radii, *spin; /* names of channels, or NULL */
   const hk_channel *radius_channel, *spin_channel;
+  const hk_spins *spins; /* NULL: they do not turn */
+  double number;         /* of this force among those that turn particles */
 } hk_spheres;
 
-/* Finds the channels. HK_BAD_PARAM: one is not there or of another size, or no radius is given. */
+/* In `create`: finds the channels, and joins those that turn particles. HK_BAD_PARAM: a channel is not there or of
+ * another size, or no radius is given; HK_FAILED: there is no service spins/1. */
 hk_status hk_spheres_open(hk_spheres *, const hk_view *view);
+/* In `topology`: HK_BAD_PARAM as hk_spheres_check. */
+hk_status hk_spheres_topology(const hk_spheres *, const hk_view *view);
 typedef struct hk_radii {
   double smallest, largest; /* m; INFINITY and 0 where there are no particles */
 } hk_radii;
@@ -38,6 +43,13 @@ static inline const double *hk_sphere_spin(const hk_spheres *s, const hk_view *v
 static inline double hk_sphere_inertia(const hk_spheres *s, const hk_view *view, size_t i) {
   double R = hk_sphere_radius(s, view, i);
   return 0.4 * view->model->mass[i] * R * R;
+}
+
+/* J, of the rotation of particle i; 0 where another force has it. */
+static inline double hk_sphere_rotation(const hk_spheres *s, const hk_view *view, size_t i) {
+  if (!s->spin_channel || s->spins->owner(s->spins->self)[i] != s->number) return 0;
+  const double *w = hk_sphere_spin(s, view, i);
+  return hk_sphere_inertia(s, view, i) / 2 * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
 }
 
 #endif
