@@ -2,6 +2,7 @@
 #include "plugins/common/contact/surfaces/surface_patches.h"
 #include "plugins/common/contact/candidates/start_check.h"
 #include "plugins/common/space/reserve.h"
+#include "plugins/kit/vector3.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -242,6 +243,19 @@ static hk_status intersections(void *self, const double *x, hk_surface_intersect
   return status;
 }
 
+/* Where an edge passes through the plane of a triangle; its middle, where it lies in that. */
+static void crossing_point(const double *x, const uint32_t *e, const uint32_t *t, double at[3]) {
+  double u[3], v[3], n[3], from = 0, to = 0;
+  for (int c = 0; c < 3; c++) u[c] = x[3 * t[1] + c] - x[3 * t[0] + c], v[c] = x[3 * t[2] + c] - x[3 * t[0] + c];
+  hk_cross(n, u, v);
+  for (int c = 0; c < 3; c++) {
+    from += n[c] * (x[3 * e[0] + c] - x[3 * t[0] + c]);
+    to += n[c] * (x[3 * e[1] + c] - x[3 * t[0] + c]);
+  }
+  double part = from != to ? fmin(fmax(from / (from - to), 0), 1) : 0.5;
+  for (int c = 0; c < 3; c++) at[c] = x[3 * e[0] + c] + part * (x[3 * e[1] + c] - x[3 * e[0] + c]);
+}
+
 static hk_status report(void *self, const hk_view *view, hk_contact_report *out) {
   surfaces *s = self;
   hk_surface_intersections found;
@@ -251,8 +265,11 @@ static hk_status report(void *self, const hk_view *view, hk_contact_report *out)
   if (status != HK_OK || found.count == 0) return status;
   const uint32_t *id = view->model->id, *e = s->lists.mesh.edge[found.pair[0][0]],
                  *t = s->lists.mesh.triangle[found.pair[0][1]];
-  snprintf(out->first, sizeof out->first, "edge %u %u and triangle %u %u %u", id[e[0]], id[e[1]], id[t[0]], id[t[1]],
-           id[t[2]]);
+  double at[3];
+  crossing_point(view->x, e, t, at);
+  snprintf(out->first, sizeof out->first, "edge %u %u and triangle %u %u %u at (%.4g, %.4g, %.4g) m", id[e[0]],
+           id[e[1]], id[t[0]], id[t[1]], id[t[2]], at[0], at[1], at[2]);
+  out->remedy = "scene:corrector(\"untangle\", { thickness = ... }) does it";
   return HK_OK;
 }
 

@@ -13,6 +13,7 @@ static void join(hk_contact_report *all, const hk_contact_report *one) {
     all->intersections = one->intersections;
     memcpy(all->first, one->first, sizeof all->first);
     all->first[sizeof all->first - 1] = 0;
+    all->remedy = one->remedy;
   }
   all->closest = fmin(all->closest, one->closest);
   all->impulse += one->impulse;
@@ -58,9 +59,10 @@ static bool ask_all(hk_loop *loop, hk_contact_report *all) {
 
 static hk_status refuse_start(hk_loop *loop, const hk_contact_report *now) {
   return hk_error_set(loop->error, HK_BAD_PARAM,
-                      "surfaces intersect at the start, %zu pairs of an edge and a triangle, the first %s: move them "
-                      "apart, or name a corrector that removes intersections",
-                      now->intersections, now->first);
+                      "surfaces intersect at the start, %zu pairs of an edge and a triangle, the first %s: start them "
+                      "apart; or %s",
+                      now->intersections, now->first,
+                      now->remedy ? now->remedy : "name a corrector that removes intersections");
 }
 
 /* Contact takes energy, or hands on what surfaces that are moved on paths give. Where none moves, what it gives from a

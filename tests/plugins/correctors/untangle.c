@@ -69,6 +69,7 @@ static void without_it_the_start_is_refused(void **state) {
   test_hooke(&r, NULL, "run bump.lua --no-output --integrator leapfrog");
   assert_true(r.code != 0);
   assert_non_null(strstr(r.err, "surfaces intersect at the start"));
+  assert_non_null(strstr(r.err, ") m: start them apart; or scene:corrector(\"untangle\""));
 }
 
 /* What is not whole at the start of contact: a corner through a sheet, strips across each other, cloth around a ball.
