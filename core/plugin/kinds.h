@@ -27,6 +27,7 @@
 #include "core/plugin/facets/by_hand.h"
 #include "core/plugin/facets/adaptive.h"
 #include "core/plugin/facets/constrained.h"
+#include "core/plugin/facets/corrected.h"
 #include "core/plugin/facets/linear.h"
 #include "core/plugin/facets/moves.h"
 #include "core/plugin/facets/split.h"

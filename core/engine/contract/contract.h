@@ -72,6 +72,7 @@ typedef struct hk_integrator_tables {
   hk_split_facet split;
   hk_constrained_facet constrained;
   hk_adaptive_facet adaptive;
+  hk_corrected_facet corrected;
 } hk_integrator_tables;
 
 /* Those of a copy of that kind. */

@@ -39,6 +39,7 @@ static const facet_rule rules[] = {
      {HK_MEMBER(hk_split_facet, select_fast), HK_MEMBER(hk_split_facet, coupled_growth)}},
     {OF_METHOD(CONSTRAINED, constrained, keeps), {{NULL, 0}}},
     {OF_METHOD(ADAPTIVE, adaptive, tolerance), {HK_MEMBER(hk_adaptive_facet, tolerance)}},
+    {OF_METHOD(CORRECTED, corrected, account), {HK_MEMBER(hk_corrected_facet, account)}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

@@ -1,7 +1,10 @@
 /* Correctors are called after a step, in the scene's order. After a corrector changed x or v, the pins and constraints
  * are imposed again; when a corrector rejects the step, the state before the step is restored. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/loop/loop.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool hk_correctors_need_start(const hk_loop *loop) {
@@ -37,22 +40,66 @@ static void filter(const hk_correction *c, double *vector) { hk_pins_filter(c->p
 
 /* What the correctors did in a step, which counts only once none of them rejects it. */
 typedef struct account {
-  bool moved, silent; /* something was changed; and what energy that took was not said */
-  double work;
+  bool moved, silent, touched; /* something was changed; what energy that took was not said; it was by contact */
+  double before;               /* J, the energy before a corrector was called; NAN: that of X_end */
+  double work, contact;        /* J, by all, and by contact */
 } account;
 
-static void note(account *a, hk_state *s, const hk_corrector *functions, const hk_correction *c) {
+/* J, with the forces of X, whose moves have no work but the difference of these. */
+static double energy_of(hk_loop *loop, const double *X) {
+  return hk_state_kinetic(loop->state, X) + hk_query_potential(loop->dynamics, loop->state->t, X);
+}
+
+static hk_status keep_end(hk_loop *loop) {
+  size_t size = loop->state->size;
+  double *grown = size > loop->room_end ? realloc(loop->X_end, size * sizeof *grown) : loop->X_end;
+  if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state at the end of a step");
+  loop->X_end = grown;
+  if (size > loop->room_end) loop->room_end = size;
+  memcpy(grown, loop->state->X, size * sizeof *grown);
+  return HK_OK;
+}
+
+/* A corrector knows the energy of its moves to the order of the step alone, so it is measured. Its own figure counts
+ * where a force has no energy in the state that was corrected, as a barrier in an overlap, and with methods of order 1,
+ * whose positions and velocities are not those of one time. */
+static void note(account *a, hk_loop *loop, const hk_corrector *functions, const hk_correction *c) {
+  hk_state *s = loop->state;
   bool reports = functions->flags & HK_REPORTS_WORK;
+  double work = 0;
+  if (reports && loop->method->order > 1)
+    work = energy_of(loop, s->X) - (a->moved ? a->before : energy_of(loop, loop->X_end));
+  if (reports && (loop->method->order < 2 || !isfinite(work))) work = c->work;
   a->moved = true;
   a->silent |= !reports;
-  a->work += reports ? c->work : 0;
-  s->X[s->size - 1] += reports ? c->work : 0;
+  a->touched |= functions->contacts != NULL;
+  a->work += work;
+  a->contact += functions->contacts ? work : 0;
+  s->X[s->size - 1] += work;
 }
 
 static void commit(hk_record *record, const account *a) {
   record->moved |= a->moved;
   record->corrected |= a->silent;
   record->correction_work += a->work;
+  record->contact_work += a->contact;
+}
+
+/* A method that keeps an energy of its own loses or gains what the correction does in that. */
+static hk_status settle(hk_loop *loop, account *a, double h) {
+  const hk_corrected_facet *facet = &hk_integrator_tables_of(loop->method)->corrected;
+  hk_state *s = loop->state;
+  hk_instance *instance = loop->integrator;
+  hk_corrected more = {0};
+  hk_status status = hk_forces_settle(loop->dynamics);
+  if (status != HK_OK || a->silent || !facet->account) return status;
+  const hk_instance *outer = hk_enter(instance);
+  status = facet->account(instance->self, loop->method->method, &loop->dynamics->system, loop->X_end, h, &more);
+  status = hk_leave_with(instance, outer, "account", status);
+  s->X[s->size - 1] += more.work;
+  a->work += more.correction;
+  a->contact += a->touched ? more.correction : 0;
+  return status;
 }
 
 static hk_status reject(hk_loop *loop, const hk_instance *corrector, double part, bool *rejected) {
@@ -68,20 +115,22 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   hk_state *s = loop->state;
   account done = {0};
   *rejected = false;
-  for (size_t k = 0; k < correctors->count; k++) {
+  hk_status status = keep_end(loop);
+  for (size_t k = 0; k < correctors->count && status == HK_OK; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
     if (loop->pins->has_slides) c.filter = filter, c.pins = loop->pins;
     if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
-    hk_status status = call(loop, correctors->item[k], &c);
+    if (done.moved) done.before = energy_of(loop, s->X);
+    status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
     if (c.reject && functions->flags & HK_MAY_REJECT) return reject(loop, correctors->item[k], c.part, rejected);
     if (!c.changed) continue;
-    note(&done, s, functions, &c);
+    note(&done, loop, functions, &c);
     status = impose(loop);
-    if (status != HK_OK) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
   }
+  if (done.moved && status == HK_OK) status = settle(loop, &done, h);
   commit(loop->record, &done);
-  return done.moved ? hk_forces_settle(loop->dynamics) : HK_OK;
+  return status;
 }

@@ -18,7 +18,8 @@ typedef struct hk_record {
   double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
   double kinetic_sum;            /* J, over the frames */
   double reach;                  /* m, RMS: the largest distance from the start that was seen between frames */
-  double correction_work;        /* J, energy that correctors reported to have given */
+  double correction_work;        /* J, energy that correctors gave, by the energies before and after */
+  double contact_work;           /* J, of it by those that keep surfaces apart */
   double dissipated;             /* J, that internal variables of forces took */
   bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
   bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
@@ -114,8 +115,9 @@ struct hk_loop {
   double last_h;                    /* s; 0: no step yet */
   bool between_steps;               /* it was interrupted there, with nothing half done */
   bool emitted;                     /* the sources were called for the coming step */
+  double *X_end;                    /* the state at the end of a step, before correctors; NULL: not needed */
   double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
-  size_t room_before;
+  size_t room_before, room_end;
   hk_record record_before; /* where a step may be rejected */
   const char *rejected_by; /* who rejected a step last */
   double part;             /* of its length, in which the step is repeated next */

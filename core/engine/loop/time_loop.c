@@ -228,4 +228,7 @@ hk_status hk_loop_frame(hk_loop *loop) {
   return status;
 }
 
-void hk_loop_close(hk_loop *loop) { free(loop->X_before); }
+void hk_loop_close(hk_loop *loop) {
+  free(loop->X_before);
+  free(loop->X_end);
+}

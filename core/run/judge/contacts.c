@@ -39,6 +39,7 @@ static bool ask_corrector(hk_loop *loop, size_t k, hk_contact_report *out) {
   const hk_instance *outer = hk_enter(corrector);
   bool reported = corrector->plugin->corrector->contacts(corrector->self, &view, out);
   hk_leave(corrector, outer);
+  if (corrector->plugin->corrector->flags & HK_REPORTS_WORK) out->impact_energy = 0; /* the host has it */
   return reported;
 }
 
@@ -54,6 +55,7 @@ static bool ask_all(hk_loop *loop, hk_contact_report *all) {
       join(all, &one);
       any = true;
     }
+  all->impact_energy -= loop->record->contact_work;
   return any;
 }
 

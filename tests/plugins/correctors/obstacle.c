@@ -306,6 +306,36 @@ static hk_status lifted(const hk_function *f, const void *caller, const double *
   return HK_OK;
 }
 
+/* A damped spring presses a ball on a floor, where it rests: the force that a step begins with is that of rest, the one
+ * that it ends with is not, in each of 2000 steps of h w = 1.2. All is linear, so that nothing but rounding is left: 5
+ * J in the spring, 2000 times. */
+static void what_presses_on_a_floor_takes_no_energy(void **state) {
+  (void)state;
+  for (int damped = 0; damped < 2; damped++) {
+    bench b;
+    const double k = 1000, h = 1.2 / sqrt(k / 2);
+    open_bench(&b, "leapfrog", h);
+    put(&b, (double[]){0, 0, 0}, (double[]){0, 0, 0});
+    put(&b, (double[]){0, 0, -0.1}, (double[]){0, 0, 0});
+    test_pin(&b.e, HK_PIN_FIXED, 2, NULL);
+    hk_plugin_spec *spring = test_plugin(&b.e, HK_FORCE, "springs");
+    test_edges(&b.e, spring, (const uint32_t[][2]){{1, 2}}, 1);
+    test_number(&b.e, spring, "k", k);
+    test_number(&b.e, spring, "rest", 1e-3);
+    test_number(&b.e, spring, "damping", damped ? 8 : 0);
+    hk_plugin_spec *floor = add(&b, "plane", 0.5, 0.3);
+    test_vector(&b.e, floor, "normal", 0, 0, 1);
+    test_run(&b.e);
+    test_advance(&b.e, 2000 * h);
+    hk_summary s;
+    hk_run_summary(b.e.run, &s);
+    double lost = s.energy_last - s.energy_first - s.energy_work;
+    assert_true(fabs(test_position(&b.e, 1)[2]) < 1e-12 && s.energy_last > 4);
+    if (!(fabs(lost) < 2000 * 5 * 2e-16)) fail_msg("damped %d: %g J are lost", damped, lost);
+    test_engine_close(&b.e);
+  }
+}
+
 /* 0.3 m at 2 1/s: 1.2 m/s^2 at most, so that what lies on it stays. Its height is the floor's, exactly; its speed that
  * of a parabola through three of the floor's heights, off by h^2/3 times the third derivative, 2.4 m/s^3. */
 static void a_lift_carries_what_lies_on_it(void **state) {
@@ -729,6 +759,7 @@ int main(void) {
       cmocka_unit_test(friction_turns_with_the_motion),
       cmocka_unit_test(an_impact_obeys_its_law),
       cmocka_unit_test(a_resting_ball_does_not_jitter),
+      cmocka_unit_test(what_presses_on_a_floor_takes_no_energy),
       cmocka_unit_test(a_lift_carries_what_lies_on_it),
       cmocka_unit_test(a_plate_that_moves_throws_back),
       cmocka_unit_test(a_turntable_carries_what_does_not_slide),
