@@ -2,11 +2,9 @@
  * at rest or pressed, drag, magnetic fields and pulls, masses over two decades.
  *
  * The truth is that of the scene's linear equations at the start, K and D by differences of its accelerations, and of
- * the plugin's own step on them: the spectral radius of its matrix (tests/support/step_matrix.h). A step is stable
- * while that is at most the growth of the equations themselves. */
+ * the plugin's own step on them: the spectral radius of its matrix (tests/support/linear_scene.h). */
 #include "core/numerics/stability/stability.h"
-#include "tests/support/engine.h"
-#include "tests/support/step_matrix.h"
+#include "tests/support/linear_scene.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,15 +13,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { MOST = 4, NUMBERS = 3 * MOST, SCENES = 16, METHODS = 32 };
-
-/* Growth a step that counts as none: half more than what the foretold limit allows (largest_step.c). */
-static const double excess = 3e-7;
-/* Of the bisection of the true limit. */
-static const double precision = 0.01;
-/* A pull on every particle, relative to the largest stiffness: modes without stiffness, whose roots are double, would
- * show the rounding of the differences, 1e-10, as growth by its root. */
-static const double pull = 1e-6;
+enum { MOST = 4, SCENES = 16, METHODS = 32 };
 
 static uint64_t state_of_random;
 
@@ -81,113 +71,6 @@ static void build(test_engine *e, unsigned with) {
   test_run(e);
 }
 
-/* ---- its linear equations, scaled to steps of 1 s ---- */
-
-typedef struct equations {
-  size_t numbers;
-  double K[NUMBERS][NUMBERS], D[NUMBERS][NUMBERS]; /* 1/s^2, 1/s */
-  double h;
-} equations;
-
-static void apply(const void *context, double t, const double *x, const double *v, const double *y, double *a,
-                  double *dy) {
-  const equations *q = context;
-  (void)t, (void)y, (void)dy;
-  for (size_t r = 0; r < q->numbers; r++)
-    for (size_t c = 0; c < q->numbers; c++) a[r] -= q->h * q->h * q->K[r][c] * x[c] + q->h * q->D[r][c] * v[c];
-}
-
-static void accelerations(test_engine *e, const double *x, const double *v, double *a) {
-  hk_system *s = &e->run->dynamics.system;
-  double seen[2][NUMBERS], dy[1];
-  memcpy(seen[0], x, 3 * s->n * sizeof *x);
-  memcpy(seen[1], v, 3 * s->n * sizeof *v);
-  assert_int_equal(s->accelerations(s, s->t, seen[0], seen[1], s->X + 6 * s->n, a, dy), HK_OK);
-}
-
-/* Makes K symmetric, as it is where no velocity matters, and adds the pull. */
-static void settle(equations *q) {
-  double most = 0;
-  for (size_t r = 0; r < q->numbers; r++)
-    for (size_t c = 0; c < r; c++) q->K[r][c] = q->K[c][r] = (q->K[r][c] + q->K[c][r]) / 2;
-  for (size_t r = 0; r < q->numbers; r++)
-    for (size_t c = 0; c < q->numbers; c++) most = fmax(most, fabs(q->K[r][c]));
-  for (size_t r = 0; r < q->numbers; r++) q->K[r][r] += most > 0 ? pull * most : 1e-12;
-}
-
-/* In the coordinates sqrt(m) x. */
-static equations linearise(test_engine *e) {
-  const double *mass = e->run->state.mass;
-  const hk_system *s = &e->run->dynamics.system;
-  equations q = {.numbers = 3 * s->n, .h = 1};
-  for (size_t part = 0; part < 2; part++)
-    for (size_t c = 0; c < q.numbers; c++) {
-      double X[2][NUMBERS], up[NUMBERS], down[NUMBERS], step = part == 0 ? 1e-5 : 1e-3;
-      memcpy(X[0], s->X, q.numbers * sizeof *up);
-      memcpy(X[1], s->X + q.numbers, q.numbers * sizeof *up);
-      double kept = X[part][c];
-      X[part][c] = kept + step;
-      accelerations(e, X[0], X[1], up);
-      X[part][c] = kept - step;
-      accelerations(e, X[0], X[1], down);
-      for (size_t r = 0; r < q.numbers; r++)
-        (part == 0 ? q.K : q.D)[r][c] = -sqrt(mass[r / 3] / mass[c / 3]) * (up[r] - down[r]) / (2 * step);
-    }
-  settle(&q);
-  return q;
-}
-
-static fake_method open_method(const char *name, equations *q, double h) {
-  q->h = h;
-  fake_system *f = fake_system_create(&(fake_problem){q->numbers / 3, 0, HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, apply, q});
-  for (size_t c = 0; c < 2 * q->numbers; c++) f->system.X[c] = between(-1, 1);
-  return fake_method_open(name, f);
-}
-
-static void close_method(fake_method *m) {
-  fake_system *f = m->system;
-  fake_method_close(m);
-  fake_system_destroy(f);
-}
-
-/* Whether the equations themselves do not grow: K is positive definite, by Cholesky's factorisation; D takes energy or
- * turns velocities in all these scenes. */
-static bool rests(const equations *q) {
-  double L[NUMBERS][NUMBERS];
-  for (size_t r = 0; r < q->numbers; r++)
-    for (size_t c = 0; c <= r; c++) {
-      double sum = q->K[r][c];
-      for (size_t k = 0; k < c; k++) sum -= L[r][k] * L[c][k];
-      if (r == c && !(sum > 0)) return false;
-      L[r][c] = r == c ? sqrt(sum) : sum / L[c][c];
-    }
-  return true;
-}
-
-static bool stable(const char *name, equations *q, double h) {
-  fake_method m = open_method(name, q, h);
-  bool exceeds = step_growth_exceeds(&m, 1 + excess);
-  close_method(&m);
-  return !exceeds;
-}
-
-/* The foretold limit over the true one, or a little more; it is not followed below 1/3. */
-static double ratio_of(const char *name, equations *q, double foretold) {
-  double low = foretold, high = foretold;
-  if (stable(name, q, foretold))
-    while (high < 3 * foretold && stable(name, q, high *= 1.1)) low = high;
-  else
-    while (low > foretold / 100 && !stable(name, q, low /= 1.1)) high = low;
-  while (high > (1 + precision) * low) {
-    double middle = sqrt(low * high);
-    if (stable(name, q, middle))
-      low = middle;
-    else
-      high = middle;
-  }
-  return foretold / low;
-}
-
 /* ---- all of them ---- */
 
 static int by_value(const void *a, const void *b) {
@@ -200,14 +83,14 @@ typedef struct tally {
   double ratio[SCENES];
 } tally;
 
-static void add_ratio(tally *t, const char *name, const hk_stable *s, equations *q) {
+static void add_ratio(tally *t, const char *name, const hk_stable *s, linear_scene *q) {
   double h = s->limit > 0 ? s->limit : s->suggestion;
   if (s->limit == 0) {
     t->none++;
     return;
   }
-  if (!isfinite(h) || !rests(q)) return; /* an unstable rest has no limit */
-  double ratio = ratio_of(name, q, h);
+  if (!isfinite(h) || !linear_scene_rests(q)) return; /* an unstable rest has no limit */
+  double ratio = linear_scene_ratio(name, q, h);
   t->ratio[t->count++] = ratio;
 }
 
@@ -217,14 +100,14 @@ static void take_scene(unsigned with, tally *all) {
   hk_spectrum spectrum;
   size_t count = fake_integrator_names(names);
   build(&e, with);
-  equations q = linearise(&e);
+  linear_scene q = linear_scene_of(&e);
   assert_int_equal(hk_spectrum_estimate(&e.run->dynamics.system, &spectrum, &e.error), HK_OK);
   for (size_t k = 0; k < count; k++) {
-    fake_method m = open_method(names[k], &q, 1);
+    fake_method m = linear_scene_open(names[k], &q, 1);
     bool fits = fake_method_explicit(&m) && !(m.plugin->integrator->flags & HK_ADAPTIVE);
     hk_stable s = {0};
     if (fits) s = hk_stable_step(m.plugin->integrator, m.self, &spectrum);
-    close_method(&m);
+    linear_scene_close(&m);
     if (fits) add_ratio(&all[k], names[k], &s, &q);
   }
   test_engine_close(&e);
@@ -240,7 +123,7 @@ static void judge(const char *name, tally *t, double least) {
   }
   double median = t->ratio[t->count / 2];
   print_message("%.3f to %.3f, median %.3f\n", t->ratio[0], t->ratio[t->count - 1], median);
-  if (t->ratio[t->count - 1] > 1 + precision) fail_msg("%s is foretold a step above the true limit", name);
+  if (t->ratio[t->count - 1] > 1 + LINEAR_PRECISION) fail_msg("%s is foretold a step above the true limit", name);
   if (median < least) fail_msg("%s is foretold too short a step", name);
 }
 
