@@ -5,6 +5,8 @@
 
 #include "core/engine/base/base.h"
 
+enum { HK_DAMPED_LINES = 3 };
+
 /* Every mode is an oscillator x'' = -(g + i b) x' - w^2 x with w <= w_max, |b| <= b_max and
  * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */
 typedef struct hk_spectrum {
@@ -16,7 +18,10 @@ typedef struct hk_spectrum {
   double beta;           /* s, least damping over stiffness of the elements */
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
   double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
-  double w_undamped;     /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
+  struct {
+    double slope, offset; /* s, 1/s: no damping rate is below slope w^2 - offset; slope 0: not known */
+  } damped[HK_DAMPED_LINES];
+  double w_undamped;  /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
   double w_switching; /* 1/s, no frequency of forces that set in and cease (HK_STIFFENS) is higher; 0: there are none */
   double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
   bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
@@ -25,7 +30,9 @@ typedef struct hk_spectrum {
 } hk_spectrum;
 
 static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {
-  return s->alpha + s->beta * fmax(0, w * w - s->w_undamped * s->w_undamped);
+  double least = s->alpha + s->beta * fmax(0, w * w - s->w_undamped * s->w_undamped);
+  for (int k = 0; k < HK_DAMPED_LINES; k++) least = fmax(least, s->damped[k].slope * w * w - s->damped[k].offset);
+  return least;
 }
 
 static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
