@@ -31,7 +31,7 @@ return validation.problem {
   title = "Lateral buckling of a narrow cantilever",
   quantities = {
     { name = "critical load at the tip, P L^2/sqrt(EI2 GJ)", reference = 4.01259934,
-      source = "Prandtl 1899, Michell 1899; 4 times the first zero of J_-1/4, recomputed" },
+      source = "Prandtl 1899, Michell 1899; twice the first zero of J_-1/4, 2.00629967, recomputed" },
   },
   space = { 24, 48, 96 },
   order = { space = 2 },
