@@ -76,7 +76,7 @@ for _, n in ipairs { { 8, 16, 32 }, { 8, 12, 24 } } do
   for _, second in ipairs { 3, 4 } do
     local cells = {}
     for k, size in ipairs(n) do
-      cells[k] = { space = k, values = { 7 + 0.3 / size ^ 2 - 5 / size ^ second } }
+      cells[k] = { space = k, values = { 7 + 3 / size ^ 2 - 2 / size ^ second } }
     end
     local function value(order)
       local q = { name = "v", reference = 7, scale = 7, tolerance = 1, noise = 1e-14, order = order }
