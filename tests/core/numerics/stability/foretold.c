@@ -226,6 +226,38 @@ static void of_charges_on_springs_in_a_drag(void **state) {
   survey(SPRINGS | DAMPING | MAGNETIC | DRAG, NULL);
 }
 
+/* What is not looked for, as it would not lengthen the step of that method, does not: a thousandth is the tolerance of
+ * none, a twentieth what is not worth an iteration. */
+static void nothing_is_lost_where_a_method_is_named(void **state) {
+  (void)state;
+  const char *names[FAKE_METHODS];
+  size_t count = fake_integrator_names(names), sharper = 0;
+  for (unsigned scene = 0; scene < SCENES / 2; scene++) {
+    test_engine e;
+    hk_spectrum every, own;
+    state_of_random = (uint64_t)(SPRINGS | DAMPING | BENDING) << 32 | scene;
+    build(&e, SPRINGS | DAMPING | BENDING);
+    hk_system *system = &e.run->dynamics.system;
+    linear_scene q = linear_scene_of(&e);
+    assert_int_equal(hk_spectrum_estimate(system, &every, &e.error), HK_OK);
+    for (size_t k = 0; k < count; k++) {
+      fake_method m = linear_scene_open(names[k], &q, 1);
+      const hk_integrator *method = m.plugin->integrator;
+      if (fake_method_explicit(&m) && method->growth) {
+        assert_int_equal(hk_spectrum_estimate_for(system, method, m.self, NAN, &own, &e.error), HK_OK);
+        double whole = hk_stable_step(method, m.self, &every).limit, part = hk_stable_step(method, m.self, &own).limit;
+        if (!(part >= 0.95 * whole && part <= 1.001 * whole))
+          fail_msg("%s: %g s where all bounds give %g s", names[k], part, whole);
+        sharper += own.damped[0].slope > 0;
+        if (strcmp(names[k], "leapfrog") == 0) assert_true(own.damped[0].slope == 0);
+      }
+      linear_scene_close(&m);
+    }
+    test_engine_close(&e);
+  }
+  assert_true(sharper > 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(of_springs),
@@ -233,6 +265,7 @@ int main(void) {
       cmocka_unit_test(of_springs_in_a_drag),
       cmocka_unit_test(of_springs_in_a_pull),
       cmocka_unit_test(of_damped_springs_with_undamped_joints),
+      cmocka_unit_test(nothing_is_lost_where_a_method_is_named),
       cmocka_unit_test(of_charges),
       cmocka_unit_test(of_charges_in_a_drag),
       cmocka_unit_test(of_charges_on_springs),
