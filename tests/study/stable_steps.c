@@ -296,6 +296,7 @@ static void one_scene(const struct scene *scene, const char *only, tally *t) {
   for (int k = 0; k < HK_DAMPED_LINES; k++)
     printf(" damped above %.4g w^2 - %.4g", spectrum.damped[k].slope, spectrum.damped[k].offset);
   printf("\n ");
+  printf(" in %zu evaluations", spectrum.evaluations);
   if (!linear_scene_rests(&q)) printf(" (rests unstably)");
   for (size_t k = 0; k < count && linear_scene_rests(&q); k++)
     if (strcmp(names[k], "cvode") != 0 && strcmp(names[k], "arkode") != 0 && strcmp(names[k], "local_leapfrog") != 0 &&
