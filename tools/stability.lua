@@ -237,6 +237,7 @@ end
 
 local function run_linear(o)
   local stability_region, progress = require("common.stability.stability_region"), require("common.run.progress")
+  local region_picture = require("common.stability.region_picture")
   local plugins, refused = chosen_integrators(o)
   if not plugins then return fail(refused) end
   local bar = progress.new { what = "integrators", total = #plugins, quiet = o.quiet or o.json }
@@ -245,7 +246,7 @@ local function run_linear(o)
   if not o.json then print(stability_region.table(rows)) end
   local code = write_rows(o, "linear", stability_region.columns, stability_region.rows(rows))
   if code then return code end
-  say_pictures(o, "linear", stability_region.draw(o.out .. "/linear", plugins))
+  say_pictures(o, "linear", region_picture.draw(o.out .. "/linear", plugins))
   local wrong = stability_region.overstated(rows)
   for _, line in ipairs(wrong) do fail(line) end
   return #wrong > 0 and 1 or 0

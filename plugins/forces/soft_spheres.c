@@ -279,6 +279,13 @@ static double largest_mass(const hk_view *view) {
   return most;
 }
 
+/* No more touch a sphere than there are others: a periodic box has at most one image of each within reach. */
+static hk_crowd crowd_around(const soft_spheres *s, const hk_view *view, size_t i, double smallest) {
+  hk_crowd around = hk_crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
+  double others = (double)view->acting - 1;
+  return (hk_crowd){fmin(around.number, others), fmin(around.along, others)};
+}
+
 /* Of a pair, k (u_i - u_j)^2 <= 2 k u_i^2 + 2 k u_j^2. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const soft_spheres *s = self;
@@ -288,7 +295,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
     double m = view->model->mass[i];
-    hk_crowd around = hk_crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
+    hk_crowd around = crowd_around(s, view, i, smallest);
     hk_grain_bound one = hk_grain_stiffness(&s->law, part, m * heaviest / (m + heaviest));
     double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
     double now = known ? fmax(one.along, one.across) * (double)touching(&t, i) : INFINITY;

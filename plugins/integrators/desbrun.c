@@ -14,9 +14,7 @@
  * inertia tensor, so that the net torque vanishes (the paper's own term, a torque times h, has no consistent
  * dimension). It also removes the rotation from the v of the viscosity, which the paper does not: otherwise
  * (1 - P) h H v, P the projection onto rotations, can have positive power, and a swinging curtain gained a seventh of
- * its kinetic energy. It acts on each connected body, and on the rotations that the pins allow: with one pin, rotations
- * about that point; with pins on a line, about that axis; with pins that are not on one line, none. A body whose
- * particles lie on a line has no inertia about it: eigenvalues of I below SMALL times the trace count as 0.
+ * its kinetic energy. It acts on each connected body, and on the rotations that the pins allow (body_turns.c).
  *
  * The strain limit that the paper applies after each step is left to a corrector. Channels and work are integrated by
  * Euler's rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3
@@ -27,22 +25,13 @@
  */
 #include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
+#include "plugins/common/turns/body_turns.h"
 #include "plugins/kit/integrate/growth_factor.h"
+#include "plugins/kit/vector3.h"
 
 #include "core/plugin.h"
 
 #include <string.h>
-
-#define NOBODY UINT32_MAX
-static const double SMALL = 1e-12;    /* relative to the trace of I: a body with a thickness of 1e-6 of its length */
-static const double ONE_POINT = 1e-9; /* relative to the body's size: closer pins are one point, or on one line */
-
-typedef struct body {
-  double mass, centre[3], drift[3], inertia[6], torque[3], turn[3]; /* inertia: xx, xy, xz, yy, yz, zz; turn: A */
-  double radius2, far2; /* m^2, largest squared distance from the centre, of particles and of pins */
-  uint32_t pin, far;    /* the first of its pinned particles and the one farthest from it; NOBODY: none */
-  bool fixed;           /* its pins are not on one line */
-} body;
 
 typedef struct desbrun {
   bool correction;
@@ -52,11 +41,7 @@ typedef struct desbrun {
   double *weight; /* h^2 k, one per spring */
   hk_laplacian laplacian;
   hk_slide_pins slides;
-  size_t bodies;
-  body *body;
-  uint32_t *label; /* n: the particle's body; NOBODY: pinned */
-  size_t anchors;
-  uint32_t (*anchor)[2]; /* a body and a pinned particle that a spring joins to it */
+  hk_body_turns turns;
 } desbrun;
 
 static const hk_param params[] = {
@@ -82,189 +67,13 @@ static double growth(const void *self, const void *method, double hw, double hg,
   return hb == 0 ? hk_polynomial_growth(2, (const double[]){z, hg + 2 * z, 1 + z}) : NAN;
 }
 
-/* ---- bodies ---- */
-
-static uint32_t root(uint32_t *parent, uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-/* A body is a set of free particles connected by springs; pinned particles connect nothing. The root of a set is its
- * smallest index, so the loop that numbers the bodies reaches it first. */
-static void find_bodies(desbrun *m) {
-  const hk_element_edges *e = &m->edges;
-  uint32_t *label = m->label;
-  m->bodies = m->anchors = 0;
-  for (uint32_t i = 0; i < e->n; i++) label[i] = i;
-  for (size_t q = 0; q < e->count; q++) {
-    uint32_t i = e->pair[q][0], j = e->pair[q][1];
-    if (e->pin[i] != HK_FREE || e->pin[j] != HK_FREE) continue;
-    i = root(label, i), j = root(label, j);
-    label[i > j ? i : j] = i > j ? j : i;
-  }
-  for (uint32_t i = 0; i < e->n; i++) label[i] = root(label, i);
-  for (uint32_t i = 0; i < e->n; i++)
-    label[i] = e->pin[i] != HK_FREE ? NOBODY : label[i] == i ? (uint32_t)m->bodies++ : label[label[i]];
-  for (size_t q = 0; q < 2 * e->count; q++) {
-    uint32_t i = e->pair[q / 2][q % 2], j = e->pair[q / 2][1 - q % 2];
-    if (e->pin[i] != HK_FREE || e->pin[j] == HK_FREE) continue;
-    m->anchor[m->anchors][0] = label[i];
-    m->anchor[m->anchors++][1] = j;
-  }
-}
-
-static void find_centres(desbrun *m, const double *mass, const double *x, const double *a) {
-  for (size_t b = 0; b < m->bodies; b++) m->body[b] = (body){.pin = NOBODY, .far = NOBODY};
-  for (size_t k = 0; k < m->anchors; k++) {
-    body *b = &m->body[m->anchor[k][0]];
-    if (b->pin == NOBODY) b->pin = m->anchor[k][1];
-  }
-  for (size_t i = 0; i < m->edges.n; i++) {
-    if (m->label[i] == NOBODY) continue;
-    body *b = &m->body[m->label[i]];
-    b->mass += mass[i];
-    for (int c = 0; c < 3; c++) {
-      b->centre[c] += mass[i] * x[3 * i + c];
-      b->drift[c] += mass[i] * a[3 * i + c];
-    }
-  }
-  for (size_t k = 0; k < m->bodies; k++) {
-    body *b = &m->body[k];
-    for (int c = 0; c < 3; c++) {
-      b->centre[c] = b->pin == NOBODY ? b->centre[c] / b->mass : x[3 * b->pin + c];
-      b->drift[c] = b->pin == NOBODY ? b->drift[c] / b->mass : a[3 * b->pin + c];
-    }
-  }
-}
-
-static void cross(const double a[3], const double b[3], double into[3]) {
-  for (int c = 0; c < 3; c++) into[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void from_centre(const body *b, const double *x, double r[3]) {
-  for (int c = 0; c < 3; c++) r[c] = x[c] - b->centre[c];
-}
-
-static void find_moments(desbrun *m, const double *mass, const double *x, const double *a) {
-  for (size_t i = 0; i < m->edges.n; i++) {
-    double r[3], w[3], t[3];
-    if (m->label[i] == NOBODY) continue;
-    body *b = &m->body[m->label[i]];
-    from_centre(b, x + 3 * i, r);
-    for (int c = 0; c < 3; c++) w[c] = a[3 * i + c] - b->drift[c];
-    cross(r, w, t);
-    double r2 = dot(r, r);
-    for (int c = 0; c < 3; c++) b->torque[c] += mass[i] * t[c];
-    for (int p = 0, k = 0; p < 3; p++)
-      for (int q = p; q < 3; q++, k++) b->inertia[k] += mass[i] * ((p == q ? r2 : 0) - r[p] * r[q]);
-    if (r2 > b->radius2) b->radius2 = r2;
-  }
-}
-
-/* Determines for each body whether its pins lie at one point, on a line or neither. */
-static void find_pins(desbrun *m, const double *x) {
-  double r[3], along[3], off[3];
-  for (size_t k = 0; k < m->anchors; k++) {
-    body *b = &m->body[m->anchor[k][0]];
-    from_centre(b, x + 3 * m->anchor[k][1], r);
-    if (dot(r, r) > ONE_POINT * ONE_POINT * b->radius2 && dot(r, r) > b->far2) {
-      b->far = m->anchor[k][1];
-      b->far2 = dot(r, r);
-    }
-  }
-  for (size_t k = 0; k < m->anchors; k++) {
-    body *b = &m->body[m->anchor[k][0]];
-    if (b->far == NOBODY) continue;
-    from_centre(b, x + 3 * m->anchor[k][1], r);
-    from_centre(b, x + 3 * b->far, along);
-    cross(along, r, off);
-    if (dot(off, off) > ONE_POINT * ONE_POINT * b->far2 * fmax(b->far2, b->radius2)) b->fixed = true;
-  }
-}
-
-/* Jacobi's rotations: the rows of V become the eigenvectors of the symmetric S, its diagonal the eigenvalues. */
-static void diagonalize(double S[3][3], double V[3][3]) {
-  for (int sweep = 0; sweep < 12; sweep++)
-    for (int p = 0; p < 2; p++)
-      for (int q = p + 1; q < 3; q++) {
-        if (S[p][q] == 0) continue;
-        double theta = (S[q][q] - S[p][p]) / (2 * S[p][q]);
-        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < 3; k++) {
-          double a = S[k][p], b = S[k][q];
-          S[k][p] = c * a - s * b, S[k][q] = s * a + c * b;
-        }
-        for (int k = 0; k < 3; k++) {
-          double a = S[p][k], b = S[q][k], v = V[p][k], w = V[q][k];
-          S[p][k] = c * a - s * b, S[q][k] = s * a + c * b;
-          V[p][k] = c * v - s * w, V[q][k] = s * v + c * w;
-        }
-      }
-}
-
-/* A = I^-1 torque, about the axes with inertia. */
-static void turn_freely(body *b) {
-  const double *tensor = b->inertia;
-  double S[3][3] = {
-      {tensor[0], tensor[1], tensor[2]}, {tensor[1], tensor[3], tensor[4]}, {tensor[2], tensor[4], tensor[5]}};
-  double V[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, trace = tensor[0] + tensor[3] + tensor[5];
-  diagonalize(S, V);
-  for (int k = 0; k < 3; k++)
-    for (int c = 0; c < 3 && S[k][k] > SMALL * trace; c++) b->turn[c] += V[k][c] * dot(V[k], b->torque) / S[k][k];
-}
-
-static void turn_about(body *b, const double *x) {
-  double e[3], I_e[3];
-  const double *tensor = b->inertia;
-  from_centre(b, x + 3 * b->far, e);
-  for (int c = 0; c < 3; c++) e[c] /= sqrt(b->far2);
-  I_e[0] = tensor[0] * e[0] + tensor[1] * e[1] + tensor[2] * e[2];
-  I_e[1] = tensor[1] * e[0] + tensor[3] * e[1] + tensor[4] * e[2];
-  I_e[2] = tensor[2] * e[0] + tensor[4] * e[1] + tensor[5] * e[2];
-  double inertia = dot(e, I_e), trace = tensor[0] + tensor[3] + tensor[5];
-  for (int c = 0; c < 3 && inertia > SMALL * trace; c++) b->turn[c] = e[c] * dot(e, b->torque) / inertia;
-}
-
-/* The rigid rotation of each body in a field of velocities or accelerations. */
-static void find_turns(desbrun *m, const double *mass, const double *x, const double *a) {
-  find_centres(m, mass, x, a);
-  find_moments(m, mass, x, a);
-  find_pins(m, x);
-  for (size_t k = 0; k < m->bodies; k++) {
-    body *b = &m->body[k];
-    if (b->far == NOBODY)
-      turn_freely(b);
-    else if (!b->fixed)
-      turn_about(b, x);
-  }
-}
-
-static void correct(desbrun *m, const double *mass, const double *x, double *a) {
-  find_turns(m, mass, x, a);
-  for (size_t i = 0; i < m->edges.n; i++) {
-    double r[3], t[3];
-    if (m->label[i] == NOBODY) continue;
-    from_centre(&m->body[m->label[i]], x + 3 * i, r);
-    cross(m->body[m->label[i]].turn, r, t);
-    for (int c = 0; c < 3; c++) a[3 * i + c] -= t[c];
-  }
-}
-
 /* ---- the step ---- */
 
 static hk_status reserve(desbrun *m, const hk_host *host) {
   size_t n = m->edges.n, springs = m->edges.capacity;
   host->release(host, m->weight);
-  host->release(host, m->body);
-  host->release(host, m->label);
-  host->release(host, m->anchor);
   m->weight = host->allocate(host, (springs + 1) * sizeof *m->weight);
-  m->body = host->allocate(host, (n + 1) * sizeof *m->body);
-  m->label = host->allocate(host, (n + 1) * sizeof *m->label);
-  m->anchor = host->allocate(host, (springs + 1) * sizeof *m->anchor);
-  bool fine = m->weight && m->body && m->label && m->anchor;
+  bool fine = hk_body_turns_reserve(&m->turns, host, n, springs) == HK_OK && m->weight;
   return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu springs and %zu particles", springs, n);
 }
 
@@ -273,7 +82,7 @@ static hk_status arrange(desbrun *m, hk_system *s, bool fresh) {
   if (status == HK_OK) status = hk_slide_pins_build(&m->slides, s->host, &m->edges);
   if (status == HK_OK)
     status = hk_laplacian_build(&m->laplacian, s->host, s->n, m->edges.count, (const uint32_t(*)[2])m->edges.pair);
-  if (status == HK_OK) find_bodies(m);
+  if (status == HK_OK) hk_body_turns_arrange(&m->turns, &m->edges);
   return status;
 }
 
@@ -309,12 +118,12 @@ static double add_springs(const desbrun *m, const double *x, const double *v, do
       d[p] = x[j + p] - x[i + p];
       u[p] = v[j + p] - v[i + p];
     }
-    double l = sqrt(dot(d, d)), along = l > 0 ? dot(d, u) / l : 0;
+    double l = sqrt(hk_dot(d, d)), along = l > 0 ? hk_dot(d, u) / l : 0;
     double f = l > 0 ? (k * (l - e->rest[q]) + c * along) / l : 0;
     power -= c * along * along;
     if (m->correction) {
-      uint32_t b = m->label[i / 3] == NOBODY ? m->label[j / 3] : m->label[i / 3];
-      cross(b == NOBODY ? (const double[3]){0} : m->body[b].turn, d, t);
+      uint32_t b = m->turns.label[i / 3] == HK_NO_BODY ? m->turns.label[j / 3] : m->turns.label[i / 3];
+      hk_cross(t, b == HK_NO_BODY ? (const double[3]){0} : m->turns.body[b].turn, d);
       for (int p = 0; p < 3; p++) u[p] -= t[p];
     }
     for (int p = 0; p < 3; p++) {
@@ -334,7 +143,7 @@ static double path_power(const desbrun *m, const double *F, const double *a, con
     if (e->pin[k / 3] == HK_PIN_PATH) power -= F[k] * v[k];
   for (size_t q = 0; m->edges.paths > 0 && q < 2 * e->count; q++) {
     size_t i = e->pair[q / 2][q % 2], j = e->pair[q / 2][1 - q % 2];
-    if (e->pin[i] == HK_PIN_PATH) power -= h * h * e->stiffness[q / 2] * dot(a + 3 * j, v + 3 * i);
+    if (e->pin[i] == HK_PIN_PATH) power -= h * h * e->stiffness[q / 2] * hk_dot(a + 3 * j, v + 3 * i);
   }
   return power;
 }
@@ -379,12 +188,12 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   if (status != HK_OK) return status;
   impose_end(m, s, fmin(t_stop, s->t + h), X, h);
   memset(F, 0, v * sizeof *F);
-  if (m->correction) find_turns(m, s->model->mass, X, X + v);
+  if (m->correction) hk_body_turns_find(&m->turns, s->model->mass, X, X + v);
   dy[s->size - y - 1] += add_springs(m, X, X + v, h, F);
   status = filter_forces(m, s, F, a);
   if (status != HK_OK) return status;
   dy[s->size - y - 1] += path_power(m, F, a, X + v, h);
-  if (m->correction) correct(m, s->model->mass, X, a);
+  if (m->correction) hk_body_turns_remove(&m->turns, s->model->mass, X, a);
   advance(m, X, X + v, external, a, h);
   for (size_t k = y; k < s->size; k++) X[k] += h * dy[k - y];
   memcpy(s->X, X, s->size * sizeof *X);

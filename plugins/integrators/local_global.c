@@ -32,77 +32,43 @@
  * cheaper: cloth of 8 x 8 particles, k = 1e6 N/m, to 1e-2 m takes it 1,152 evaluations and 46 ms, backward_euler 138
  * and 12 ms (the command is there).
  */
-#include "plugins/common/linear/anderson.h"
-#include "plugins/common/elements/element_energy.h"
-#include "plugins/common/springs/element_edges.h"
-#include "plugins/common/springs/layout_forces.h"
-#include "plugins/common/linear/laplacian.h"
-#include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/step_control.h"
+#include "plugins/common/local_global/local_global.h"
 
-#include <float.h>
 #include <string.h>
-
-enum { PLAIN, ANDERSON };
 
 static const double at_rest = 1e-3; /* relative to the extent: smallest displacement that changes are compared with */
 /* The relative change that causes a warning: an iteration reduces errors of cloth by a factor of about 0.99, so a
  * change of 1e-3 leaves an error of some 10 %. */
 static const double telling = 1e-3;
 
-typedef struct local_global {
-  int64_t iterations, window;
-  int acceleration;
-  double tolerance;
-
-  const hk_host *host;
-  hk_element_edges edges;
-  hk_laplacian laplacian;
-  hk_slide_pins slides;
-  hk_spring_layout springs, dampers; /* springs without damping; dampers without stiffness */
-  hk_element_energy elements;        /* the elements that are not springs */
-  double *weight, *diagonal;         /* off-diagonal: edges, then pairs of the elements' members; diagonal: n */
-  double h;
-  hk_anderson anderson;
-
-  int64_t warned;
-  double change;      /* change in the last iteration, relative to the step's displacement */
-  double *d, *y;      /* n x 3, m: displacements in this step, of x and without internal forces */
-  double *from;       /* n x 3, m: d before the last correction; with elements only */
-  bool soft;          /* whether a correction was reduced to a quarter or less */
-  bool weighed;       /* whether weights of the elements were computed in this run */
-  hk_array steepness; /* double: of the elements, for runs resumed from a checkpoint */
-  double *F, *r, *dx, *scratch;
-  double *next, *slope; /* shaped as X: the new state; (a, dy) */
-} local_global;
-
 static const hk_param params[] = {
-    {"iterations", "", "local and global iterations a step", .integer = HK_AT(local_global, iterations),
+    {"iterations", "", "local and global iterations a step", .integer = HK_AT(hk_local_global, iterations),
      .initial = {10}, .limits = HK_WITHIN(1, 1e6)},
     {"tolerance", "",
      "stops when an iteration moves positions by less than this part of what the step does; not "
      "reached, the step is halved. 0: all iterations, whatever they leave",
-     .number = HK_AT(local_global, tolerance), .limits = HK_WITHIN(0, 1)},
-    {"acceleration", "", "of the iteration", .choice = HK_AT(local_global, acceleration), .initial = {PLAIN},
-     .choices = "none|anderson"},
-    {"window", "", "iterations that anderson looks back", .integer = HK_AT(local_global, window), .initial = {5},
+     .number = HK_AT(hk_local_global, tolerance), .limits = HK_WITHIN(0, 1)},
+    {"acceleration", "", "of the iteration", .choice = HK_AT(hk_local_global, acceleration),
+     .initial = {HK_LOCAL_GLOBAL_PLAIN}, .choices = "none|anderson"},
+    {"window", "", "iterations that anderson looks back", .integer = HK_AT(hk_local_global, window), .initial = {5},
      .limits = HK_WITHIN(1, HK_ANDERSON_MOST)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"warned", .integer = HK_AT(local_global, warned)},
-    {"steepness", .array = HK_AT(local_global, steepness), .width = sizeof(double)},
-    {"change", .number = HK_AT(local_global, change)},
-    {"displacement", .per_particle = HK_AT(local_global, d), .width = 3, .flags = HK_SCRATCH},
-    {"from", .per_particle = HK_AT(local_global, from), .width = 3, .flags = HK_SCRATCH},
-    {"inertia", .per_particle = HK_AT(local_global, y), .width = 3, .flags = HK_SCRATCH},
-    {"force", .per_particle = HK_AT(local_global, F), .width = 3, .flags = HK_SCRATCH},
-    {"gradient", .per_particle = HK_AT(local_global, r), .width = 3, .flags = HK_SCRATCH},
-    {"correction", .per_particle = HK_AT(local_global, dx), .width = 3, .flags = HK_SCRATCH},
-    {"scratch", .per_particle = HK_AT(local_global, scratch), .width = 3, .flags = HK_SCRATCH},
-    {"next", .state = HK_AT(local_global, next), .width = 1, .flags = HK_SCRATCH},
-    {"slope", .state = HK_AT(local_global, slope), .width = 1, .flags = HK_SCRATCH},
+    {"warned", .integer = HK_AT(hk_local_global, warned)},
+    {"steepness", .array = HK_AT(hk_local_global, steepness), .width = sizeof(double)},
+    {"change", .number = HK_AT(hk_local_global, change)},
+    {"displacement", .per_particle = HK_AT(hk_local_global, d), .width = 3, .flags = HK_SCRATCH},
+    {"from", .per_particle = HK_AT(hk_local_global, from), .width = 3, .flags = HK_SCRATCH},
+    {"inertia", .per_particle = HK_AT(hk_local_global, y), .width = 3, .flags = HK_SCRATCH},
+    {"force", .per_particle = HK_AT(hk_local_global, F), .width = 3, .flags = HK_SCRATCH},
+    {"gradient", .per_particle = HK_AT(hk_local_global, r), .width = 3, .flags = HK_SCRATCH},
+    {"correction", .per_particle = HK_AT(hk_local_global, dx), .width = 3, .flags = HK_SCRATCH},
+    {"scratch", .per_particle = HK_AT(hk_local_global, scratch), .width = 3, .flags = HK_SCRATCH},
+    {"next", .state = HK_AT(hk_local_global, next), .width = 1, .flags = HK_SCRATCH},
+    {"slope", .state = HK_AT(hk_local_global, slope), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
 
@@ -117,113 +83,24 @@ static double growth(const void *self, const void *method, double hw, double hg,
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  local_global *m = self;
+  hk_local_global *m = self;
   (void)view;
   m->host = host;
   return HK_OK;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
-  local_global *m = self;
+  hk_local_global *m = self;
   (void)view;
   hk_element_edges_drop(&m->edges);
   return HK_OK;
-}
-
-/* ---- The matrix ---- */
-
-static hk_status lay_out(local_global *m, const hk_host *host, const hk_partition *partition) {
-  const hk_tuples edges = {m->edges.count, 2, m->edges.count ? &m->edges.pair[0][0] : NULL};
-  double zero = 0;
-  const hk_per_tuple none = {1, &zero}, k = {edges.count, m->edges.stiffness}, c = {edges.count, m->edges.damping},
-                     rest = {edges.count, m->edges.rest};
-  hk_spring_layout_free(&m->springs, host);
-  hk_spring_layout_free(&m->dampers, host);
-  if (edges.count == 0) return HK_OK;
-  hk_status status = hk_spring_layout_build(&m->springs, host, partition, &edges, &k, &none, &rest, NULL);
-  double damping = 0;
-  for (size_t e = 0; e < edges.count; e++) damping = fmax(damping, m->edges.damping[e]);
-  if (status != HK_OK || damping == 0) return status;
-  return hk_spring_layout_build(&m->dampers, host, partition, &edges, &none, &c, &none, NULL);
-}
-
-/* The pairs of the matrix: springs, then the pairs of the elements' members. */
-static hk_status build_matrix(local_global *m, size_t n) {
-  const hk_host *host = m->host;
-  size_t edges = m->edges.count, pairs = edges + m->elements.pairs;
-  uint32_t(*pair)[2] = host->allocate(host, (pairs + 1) * sizeof *pair);
-  host->release(host, m->weight);
-  host->release(host, m->diagonal);
-  m->weight = host->allocate(host, (pairs + 1) * sizeof *m->weight);
-  m->diagonal = host->allocate(host, (n + 1) * sizeof *m->diagonal);
-  if (!pair || !m->weight || !m->diagonal) {
-    host->release(host, pair);
-    return host->fail(host, HK_NO_MEMORY, "no memory for the weights of %zu springs", pairs);
-  }
-  memcpy(pair, m->edges.pair, edges * sizeof *pair);
-  hk_element_energy_pairs(&m->elements, pair + edges);
-  hk_status status = hk_laplacian_build(&m->laplacian, host, n, pairs, (const uint32_t(*)[2])pair);
-  host->release(host, pair);
-  return status;
-}
-
-static void keep_weights(local_global *m) {
-  if (m->steepness.count > 0) memcpy(m->steepness.item, m->elements.steepness, m->steepness.count * sizeof(double));
-}
-
-/* Computes the elements' weights at X; at the first step after a checkpoint those of the checkpoint are used. */
-static hk_status weigh_elements(local_global *m, hk_system *s, bool fresh) {
-  hk_status status = hk_element_energy_take(&m->elements, m->host, s->model, s->X, fresh);
-  size_t count = m->elements.tuples.count;
-  bool resumed = !m->weighed && count > 0 && m->steepness.count == count;
-  m->weighed = true;
-  if (status == HK_OK && resumed) memcpy(m->elements.steepness, m->steepness.item, count * sizeof(double));
-  if (status != HK_OK || resumed) return status;
-  if (m->steepness.count != count) status = m->host->resize(m->host, &m->steepness, count);
-  if (status == HK_OK) keep_weights(m);
-  return status;
-}
-
-static hk_status rebuild(local_global *m, hk_system *s, bool fresh) {
-  hk_status status = hk_slide_pins_build(&m->slides, m->host, &m->edges);
-  if (status == HK_OK) status = weigh_elements(m, s, fresh);
-  if (status == HK_OK) status = build_matrix(m, s->n);
-  if (status == HK_OK) status = lay_out(m, m->host, s->model->partition);
-  if (status == HK_OK && m->acceleration == ANDERSON)
-    status = hk_anderson_reserve(&m->anderson, m->host, 3 * s->n, (size_t)m->window);
-  return status;
-}
-
-static hk_status make_matrix(local_global *m, hk_system *s, double h) {
-  size_t edges = m->edges.count;
-  for (size_t e = 0; e < edges; e++) m->weight[e] = h * (h * m->edges.stiffness[e] + m->edges.damping[e]);
-  memcpy(m->diagonal, s->model->mass, s->n * sizeof *m->diagonal);
-  hk_element_energy_weights(&m->elements, h, m->weight + edges, m->diagonal);
-  hk_laplacian_fill(&m->laplacian, m->diagonal, s->model->inverse_mass, m->weight);
-  m->h = 0;
-  hk_status status = s->linear->factorize(s, &m->laplacian.matrix);
-  if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->r, m->dx);
-  if (status == HK_OK) m->h = h;
-  return status;
-}
-
-static hk_status prepare(local_global *m, hk_system *s, double h) {
-  bool fresh = !m->edges.valid, changed;
-  hk_status status = hk_element_edges_take(&m->edges, s, m->scratch, &changed);
-  if (status != HK_OK) return status;
-  if (changed) {
-    m->h = 0;
-    status = rebuild(m, s, fresh);
-    if (status != HK_OK) hk_element_edges_drop(&m->edges); /* the next attempt builds everything again */
-  }
-  return status != HK_OK || h == m->h ? status : make_matrix(m, s, h);
 }
 
 /* ---- The explicit part ---- */
 
 /* Estimates the rate g at which explicit accelerations change with the velocity, in the direction of the acceleration,
  * and refuses the step for h g > 2, where explicit steps on v' = -g v are unstable. */
-static hk_status check_rate(local_global *m, hk_system *s, double h) {
+static hk_status check_rate(hk_local_global *m, hk_system *s, double h) {
   bool depends = false;
   for (size_t k = 0; k < s->split->forces; k++)
     depends |= s->split->takes[k] && s->split->force[k].flags & HK_DEPENDS_ON_V;
@@ -244,13 +121,7 @@ static hk_status check_rate(local_global *m, hk_system *s, double h) {
                        sqrt(part / whole), h);
 }
 
-/* Computes the new x and evaluates the elements there. */
-static void place(local_global *m, const hk_system *s) {
-  for (size_t e = 0; e < 3 * s->n; e++) m->next[e] = s->X[e] + m->d[e];
-  hk_element_energy_evaluate(&m->elements, m->host, m->next);
-}
-
-static hk_status predict(local_global *m, hk_system *s, double h, double t_next) {
+static hk_status predict(hk_local_global *m, hk_system *s, double h, double t_next) {
   size_t n = 3 * s->n;
   const double *x = s->X, *v = s->X + n, *a = m->slope;
   hk_status status = s->accelerations(s, s->t, s->X, s->X + n, s->X + 2 * n, m->slope, m->slope + n);
@@ -260,7 +131,7 @@ static hk_status predict(local_global *m, hk_system *s, double h, double t_next)
     bool moves = s->model->inverse_mass[i] > 0;
     for (size_t e = 3 * i; e < 3 * i + 3; e++) m->d[e] = moves ? h * (v[e] + h * a[e]) : 0;
   }
-  place(m, s);
+  hk_local_global_place(m, s);
   memcpy(m->next + n, v, n * sizeof *v);
   s->impose(s, t_next, m->next, m->next + n);
   for (size_t i = 0; i < s->n && m->edges.paths > 0; i++)
@@ -272,7 +143,7 @@ static hk_status predict(local_global *m, hk_system *s, double h, double t_next)
 /* ---- The iteration ---- */
 
 /* F = forces of springs, elements and dampers at the new x; *power += the power of damping, unless NULL. */
-static void forces(local_global *m, const hk_system *s, double h, double *power) {
+static void forces(hk_local_global *m, const hk_system *s, double h, double *power) {
   const double *x = m->next;
   memset(m->F, 0, 3 * s->n * sizeof *m->F);
   hk_layout_forces(&m->springs, m->host, x, x, m->F, NULL);
@@ -282,7 +153,7 @@ static void forces(local_global *m, const hk_system *s, double h, double *power)
   hk_layout_forces(&m->dampers, m->host, s->X, m->scratch, m->F, power);
 }
 
-static void residual(local_global *m, const hk_system *s, double h) {
+static void residual(hk_local_global *m, const hk_system *s, double h) {
   const double *restrict d = m->d, *restrict y = m->y, *restrict F = m->F;
   double *restrict r = m->r;
   for (size_t i = 0; i < s->n; i++) {
@@ -292,84 +163,13 @@ static void residual(local_global *m, const hk_system *s, double h) {
   }
 }
 
-/* The rounding error of g: that of a sum of 3n squares, and that of x, with the sensitivity `slope` of g to x. */
-static double noise_of(const local_global *m, size_t n, double g, double slope) {
-  double far = 0;
-  for (size_t e = 0; e < 3 * n; e++) far = fmax(far, fabs(m->next[e]));
-  return DBL_EPSILON * ((16 + sqrt(3 * (double)n)) * g + slope * far);
-}
-
-/* g at the new x; *noise: with elements its rounding error, else 0. */
-static double objective(const local_global *m, const hk_system *s, double h, double *noise) {
-  const double *x = m->next;
-  double inertia = 0, springs = 0, dampers = 0, pull = 0;
-  *noise = 0;
-  for (size_t i = 0; i < s->n; i++)
-    for (size_t e = 3 * i; s->model->inverse_mass[i] > 0 && e < 3 * i + 3; e++)
-      inertia += s->model->mass[i] * (m->d[e] - m->y[e]) * (m->d[e] - m->y[e]);
-  for (size_t e = 0; e < m->edges.count; e++) {
-    size_t i = 3 * (size_t)m->edges.pair[e][0], j = 3 * (size_t)m->edges.pair[e][1];
-    double l2 = 0, l02 = 0, along = 0;
-    for (size_t c = 0; c < 3; c++) {
-      double d = x[j + c] - x[i + c], d0 = s->X[j + c] - s->X[i + c];
-      l2 += d * d;
-      l02 += d0 * d0;
-      along += d0 * (d - d0);
-    }
-    double stretch = sqrt(l2) - m->edges.rest[e];
-    springs += m->edges.stiffness[e] * stretch * stretch;
-    pull += m->edges.stiffness[e] * fabs(stretch);
-    if (l02 > 0) dampers += m->edges.damping[e] * along * along / l02;
-  }
-  double g = inertia / 2 + h * (h * springs + dampers) / 2;
-  if (m->elements.tuples.count == 0) return g;
-  double slope = 2 * h * h * pull;
-  g += hk_element_energy_value(&m->elements, m->d, h, &slope);
-  *noise = noise_of(m, s->n, g, slope);
-  return g;
-}
-
-static void accelerate(local_global *m, size_t n) {
+static void accelerate(hk_local_global *m, size_t n) {
   double *G = m->scratch;
   for (size_t e = 0; e < n; e++) G[e] = m->d[e] + m->dx[e];
   hk_anderson_next(&m->anderson, m->dx, G, m->r, m->d);
 }
 
-/* Moves to `from` + part dx; returns g there. */
-static double try_part(local_global *m, const hk_system *s, double h, double part, double *noise) {
-  for (size_t e = 0; e < 3 * s->n; e++) m->d[e] = m->from[e] + part * m->dx[e];
-  place(m, s);
-  return objective(m, s, h, noise);
-}
-
-/* With elements an unaccelerated correction may raise g as well. It is halved until g does not rise by more than its
- * rounding error, which is reached because dx is a direction of descent. */
-static double shorten(local_global *m, const hk_system *s, double h, double g, double now, double *noise) {
-  const double shortest = 0x1p-30;
-  double kept = *noise;
-  for (double part = 0.5; !(now <= g + kept + *noise); part /= 2) {
-    now = try_part(m, s, h, part >= shortest ? part : 0, noise);
-    m->soft |= part < 0.5;
-    if (part < shortest) break;
-  }
-  return now;
-}
-
-/* If g rose, the accelerated x is replaced by the unaccelerated one, which cannot raise g without elements, and the
- * acceleration starts again. */
-static void safeguard(local_global *m, const hk_system *s, double h, double *g) {
-  bool elements = m->elements.tuples.count > 0;
-  double noise, now = objective(m, s, h, &noise);
-  if (m->acceleration == ANDERSON && now > *g + noise) {
-    memcpy(m->d, m->anderson.g_last, 3 * s->n * sizeof *m->d);
-    place(m, s);
-    hk_anderson_clear(&m->anderson);
-    now = objective(m, s, h, &noise);
-  }
-  *g = elements && *g < INFINITY ? shorten(m, s, h, *g, now, &noise) : now;
-}
-
-static void move(local_global *m, size_t n) {
+static void move(hk_local_global *m, size_t n) {
   double *restrict d = m->d;
   const double *restrict dx = m->dx;
   for (size_t e = 0; e < n; e++) d[e] += dx[e];
@@ -377,7 +177,7 @@ static void move(local_global *m, size_t n) {
 
 /* |dx| relative to the step's displacement |x - x_n|, both weighted by masses; near rest relative to a thousandth of
  * the scene's size. */
-static double relative_change(const local_global *m, const hk_system *s, double extent) {
+static double relative_change(const hk_local_global *m, const hk_system *s, double extent) {
   double change = 0, moved = 0, mass = 0;
   for (size_t i = 0; i < s->n; i++) {
     double a = 0, b = 0;
@@ -393,65 +193,44 @@ static double relative_change(const local_global *m, const hk_system *s, double 
   return scale > 0 ? sqrt(change / scale) : 0;
 }
 
-static hk_status correction(local_global *m, hk_system *s, double h) {
+static hk_status correction(hk_local_global *m, hk_system *s, double h) {
   forces(m, s, h, NULL);
   residual(m, s, h);
   hk_status status = s->linear->solve_columns(s, m->r, m->dx, 3);
   return status == HK_OK ? hk_slide_pins_correct(&m->slides, s, m->dx, m->F, m->scratch) : status;
 }
 
-static hk_status stiffen(local_global *m, hk_system *s, double h) {
-  m->soft = false;
-  if (!hk_element_energy_raise(&m->elements)) return HK_OK;
-  keep_weights(m);
-  hk_anderson_clear(&m->anderson);
-  return make_matrix(m, s, h);
-}
-
-/* With elements, the iteration starts where g is smaller: at the position without internal forces, or at that of the
- * start of the step. g of the new x is then at most g of the old one, so that no step adds energy. */
-static void choose_start(local_global *m, const hk_system *s, double h) {
-  double noise, flight;
-  place(m, s);
-  flight = objective(m, s, h, &noise);
-  for (size_t e = 0; e < 3 * s->n; e++)
-    if (m->edges.pin[e / 3] != HK_PIN_PATH) m->d[e] = 0;
-  place(m, s);
-  if (objective(m, s, h, &noise) < flight) return;
-  memcpy(m->d, m->y, 3 * s->n * sizeof *m->d);
-}
-
-static hk_status iterate(local_global *m, hk_system *s, double h) {
+static hk_status iterate(hk_local_global *m, hk_system *s, double h) {
   size_t n = 3 * s->n;
   double g = INFINITY, extent = hk_scales_extent(&(hk_scales){0}, s, s->X);
-  bool elements = m->elements.tuples.count > 0, guarded = elements || m->acceleration == ANDERSON;
+  bool elements = m->elements.tuples.count > 0, guarded = elements || m->acceleration == HK_LOCAL_GLOBAL_ANDERSON;
   hk_anderson_clear(&m->anderson);
-  if (elements) choose_start(m, s, h);
+  if (elements) hk_local_global_choose_start(m, s, h);
   for (int64_t k = 0; k < m->iterations; k++) {
-    place(m, s);
-    if (guarded) safeguard(m, s, h, &g);
-    hk_status status = m->soft ? stiffen(m, s, h) : HK_OK;
+    hk_local_global_place(m, s);
+    if (guarded) hk_local_global_safeguard(m, s, h, &g);
+    hk_status status = m->soft ? hk_local_global_stiffen(m, s, h) : HK_OK;
     if (status == HK_OK) status = correction(m, s, h);
     if (status != HK_OK) return status;
     m->change = relative_change(m, s, extent);
     if (elements) memcpy(m->from, m->d, n * sizeof *m->from);
-    if (m->acceleration == ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))
+    if (m->acceleration == HK_LOCAL_GLOBAL_ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))
       accelerate(m, n);
     else
       move(m, n);
     if (m->change <= m->tolerance) break;
   }
   if (!elements) return HK_OK;
-  place(m, s);
+  hk_local_global_place(m, s);
   hk_anderson_clear(&m->anderson); /* the last correction was not accelerated */
-  double noise, now = objective(m, s, h, &noise);
-  shorten(m, s, h, g, now, &noise);
+  double noise, now = hk_local_global_objective(m, s, h, &noise);
+  hk_local_global_shorten(m, s, h, g, now, &noise);
   return HK_OK;
 }
 
 /* With a fixed number of iterations there is no test of convergence: warns once when the result is far from backward
  * Euler. */
-static void warn_once(local_global *m) {
+static void warn_once(hk_local_global *m) {
   if (m->warned || m->change <= telling) return;
   m->warned = 1;
   m->host->warn(
@@ -461,7 +240,7 @@ static void warn_once(local_global *m) {
       (long long)m->iterations, m->change);
 }
 
-static hk_status check_convergence(local_global *m, hk_step *out) {
+static hk_status check_convergence(hk_local_global *m, hk_step *out) {
   if (m->tolerance == 0) {
     warn_once(m);
     return HK_OK;
@@ -479,17 +258,17 @@ static hk_status check_convergence(local_global *m, hk_step *out) {
 
 /* The work that path pins do against springs, dampers and elements, J; their work against explicit forces is in the
  * power. */
-static double work_of_paths(const local_global *m, const hk_system *s) {
+static double work_of_paths(const hk_local_global *m, const hk_system *s) {
   double work = 0;
   for (size_t i = 0; m->edges.paths > 0 && i < s->n; i++)
     for (size_t e = 3 * i; m->edges.pin[i] == HK_PIN_PATH && e < 3 * i + 3; e++) work -= m->F[e] * m->d[e];
   return work;
 }
 
-static void finish(local_global *m, hk_system *s, double h, double t_next) {
+static void finish(hk_local_global *m, hk_system *s, double h, double t_next) {
   size_t n = 3 * s->n;
   double power = 0, *v = m->next + n;
-  place(m, s);
+  hk_local_global_place(m, s);
   if (m->dampers.damped || m->elements.damped || m->edges.paths > 0) forces(m, s, h, &power);
   for (size_t e = 0; e < n; e++) v[e] = m->d[e] / h;
   double work = h * power + work_of_paths(m, s);
@@ -500,10 +279,10 @@ static void finish(local_global *m, hk_system *s, double h, double t_next) {
 }
 
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
-  local_global *m = self;
+  hk_local_global *m = self;
   double t_next = fmin(t_stop, s->t + h);
   (void)method;
-  hk_status status = prepare(m, s, h);
+  hk_status status = hk_local_global_prepare(m, s, h);
   if (status == HK_OK) hk_element_energy_start(&m->elements, m->host, s->X);
   if (status == HK_OK) status = predict(m, s, h, t_next);
   if (status == HK_OK) status = iterate(m, s, h);
@@ -514,7 +293,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
 
 /* Factors are in no checkpoint. */
 static void reset(void *self, hk_reason why) {
-  if (why == HK_CHECKPOINT) ((local_global *)self)->h = 0;
+  if (why == HK_CHECKPOINT) ((hk_local_global *)self)->h = 0;
 }
 
 static const hk_constrained_facet constrained = {.size = sizeof constrained,
@@ -539,7 +318,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .reference =
         "Liu, Bargteil, O'Brien and Kavan 2013, ACM TOG 32, section 4; Liu, Bouaziz and Kavan 2017, ACM TOG 36; "
         "Peng and others 2018, algorithm 1",
-    .instance_size = sizeof(local_global),
+    .instance_size = sizeof(hk_local_global),
     .params = params,
     .fields = fields,
     .create = create,

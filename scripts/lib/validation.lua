@@ -8,7 +8,7 @@ local problem_fields = { title = "string", setup = "string", quantities = "table
 local quantity_fields = { name = "string", unit = "string", reference = "number or function", source = "string",
   tolerance = "number", why = "string", scale = "number", order = "table", noise = "number" }
 local quick_fields = { space = "table", time = "table", tolerance = "number" }
-local order_fields = { space = "number", time = "number", within = "number" }
+local order_fields = { space = "number", time = "number", within = "number", space_next = "number", time_next = "number" }
 
 -- Without a line, which nobody knows: `return problem { ... }` leaves nothing on Lua's stack. The tool looks for it.
 local function refuse(format, ...) error(format:format(...), 0) end

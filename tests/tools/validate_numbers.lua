@@ -69,6 +69,25 @@ for k, x in ipairs(h) do one[k], other[k] = 3 * x ^ 2, -2 * x ^ 2 end
 local common = convergence.together(h, { one, other }, 1e-13)
 near("order of a vector", common.order, 2, 1e-9)
 assert(math.abs(convergence.limit(h, one, common)) < 1e-12)
+
+-- Errors of two known orders: extrapolation of the first alone leaves the second. Of unequal ratios too.
+local study = require("common.validate.study")
+for _, n in ipairs { { 8, 16, 32 }, { 8, 12, 24 } } do
+  for _, second in ipairs { 3, 4 } do
+    local cells = {}
+    for k, size in ipairs(n) do
+      cells[k] = { space = k, values = { 7 + 3 / size ^ 2 - 2 / size ^ second } }
+    end
+    local function value(order)
+      local q = { name = "v", reference = 7, scale = 7, tolerance = 1, noise = 1e-14, order = order }
+      return study.results({ quantities = { q } }, { space = n }, cells, false)[1].value
+    end
+    assert(math.abs(value { space = 2, within = 1 } - 7) > 1e-7)
+    assert(math.abs(value { space = 2, space_next = second, within = 1 } - 7) < 1e-12)
+    -- An order that the levels do not show is not believed.
+    assert(value { space = 3, space_next = 4, within = 0.1 } == value { space = 3, within = 0.1 })
+  end
+end
 near("digits", convergence.digits(1.001, 1, 1), 3, 1e-12)
 near("digits of equals", convergence.digits(1, 1, 1), 16, 0)
 

@@ -29,8 +29,21 @@ void hk_lua_name_run_methods(lua_State *L);
 /* periodic.c */
 int hk_lua_scene_periodic(lua_State *L); /* scene:periodic{} */
 
+/* channel.c */
+int hk_lua_scene_channel(lua_State *L); /* scene:channel() */
+
 /* scene.c */
 void hk_lua_open_scene(lua_State *L);
+
+/* scene_plugin.c */
+int hk_lua_scene_add_kind(lua_State *L); /* scene:KIND(); the kind is its upvalue */
+hk_scene *hk_lua_editable(lua_State *L); /* the first argument, a scene that does not run; an error otherwise */
+void hk_lua_check(lua_State *L, hk_status status, const hk_error *error); /* raises the error of a call that failed */
+void hk_lua_note_line(lua_State *L, char **line); /* *line: the script's line of the call, for messages of the run */
+/* The positive number of a field of the table; an error where it is not. */
+double hk_lua_positive(lua_State *L, int table, const char *what, const char *key, double otherwise);
+/* Adds a plugin with the parameters of the table at `params`, 0: none. NULL: `auto`, which clears the choice. */
+hk_plugin_spec *hk_lua_add_plugin(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params);
 
 /* plain.c */
 const char *hk_lua_plain_text(lua_State *L, int index); /* pushes the value as text, without running any function */

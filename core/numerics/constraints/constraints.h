@@ -95,10 +95,13 @@ bool hk_constraint_sampled(const hk_dynamics *);
  * or step is complete. */
 void hk_constraint_account(hk_dynamics *, double begin, bool whole);
 
-/* ---- constraint_matrix.c ---- */
+/* ---- constraint_pattern.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
+
+/* ---- constraint_matrix.c ---- */
+
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
 /* After that, W is as if all masses were 1, until the next linearisation. */

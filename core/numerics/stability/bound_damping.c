@@ -1,10 +1,8 @@
 /* The largest damping rate and the fastest turning of velocities from above, and what the damping is at least.
  *
  * A mode u of the damped scene is a root of l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, so bounds of
- * the two operators bound every mode, and D >= alpha M + beta (K - tension) bounds the damping rates from below. Where
- * damping is strong, the largest eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, bounds in the same way
- * the excess of a mode's g over slope w^2: with damping proportional to stiffness, slow modes are then not mistaken for
- * overdamped ones.
+ * the two operators bound every mode, and D >= alpha M + beta (K - tension) bounds the damping rates from below. How
+ * damping rises with frequency is what damping_pencil.c bounds.
  *
  * Forces like v x B make D unsymmetric: its skew part A turns velocities, u*Au = i b. What all particles in common
  * motion are subject to is a 3x3 block for each, which elements between them do not share; the skew parts of these
@@ -22,9 +20,6 @@
 
 /* Relative to w_max: where w determines the step, such a change of g changes the step by about that fraction. */
 static const double damping_slack = 0.03;
-/* The pencil is estimated where g_max/w_max is above strong_damping; pencil_slack, relative to g_max, is the tolerance
- * of its bound. */
-static const double strong_damping = 0.2, pencil_slack = 0.03;
 
 /* *whole: whether the skew part of D is that of single particles. */
 static hk_status check_turning(hk_operation *o, bool *whole) {
@@ -86,50 +81,6 @@ static void count_rotation(hk_spectrum *b, double norm) {
   b->alpha = b->beta = 0;
 }
 
-typedef struct pencil {
-  hk_operation stiffness, damping;
-  double slope;
-} pencil;
-
-/* out = (D - slope K) in */
-static hk_status apply_pencil(void *context, const double *in, double *out) {
-  pencil *p = context;
-  hk_spectrum_work *s = p->damping.work;
-  hk_system *system = p->damping.system;
-  p->stiffness.rest = hk_operation_velocities(s, system);
-  hk_status status = hk_operation_apply(&p->stiffness, in, out);
-  if (status != HK_OK) return status;
-  memcpy(s->spare, out, 3 * s->n * sizeof *out);
-  p->damping.rest = hk_operation_rest(s, system->X);
-  status = hk_operation_apply_unturned(&p->damping, in, out);
-  for (size_t c = 0; c < 3 * s->n; c++) out[c] -= p->slope * s->spare[c];
-  return status;
-}
-
-/* The vectors of the iteration on D are used again. */
-static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const hk_operation *damping) {
-  hk_spectrum *b = &s->bounds;
-  pencil p = {{s, system, false, hk_operation_step(s), NULL}, *damping, b->g_max / (b->w_max * b->w_max)};
-  hk_lanczos l = s->damping;
-  l.slack = pencil_slack * b->g_max;
-  hk_status status = hk_operation_need(s, &s->spare);
-  if (status == HK_OK) status = hk_operation_start(&l, system);
-  if (status == HK_OK) status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY);
-  if (status != HK_OK) return status;
-  b->damping_slope = p.slope;
-  b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are accurate to about 1e-9 */
-  return HK_OK;
-}
-
-/* Whether the fastest and most strongly damped of all modes that the bounds allow for sets the step of the method that
- * is wanted: nothing that is known beside raises it. */
-static bool is_settled(const hk_spectrum_work *s) {
-  const hk_spectrum *b = &s->bounds;
-  if (!s->method) return false;
-  hk_stable stable = hk_stable_step(s->method, s->parameters, b);
-  return stable.limit > 0 && stable.w == b->w_max && stable.g == b->g_max;
-}
-
 /* Bounds the eigenvalues of D; `use_stated` as in bound_stiffness. */
 static hk_status iterate_damping(hk_operation *o, bool use_stated) {
   hk_spectrum_work *s = o->work;
@@ -157,6 +108,5 @@ hk_status hk_bound_damping(hk_spectrum_work *s, hk_system *system) {
   b->alpha = b->alpha > noise ? fmin(b->alpha / HK_INFLATE, b->g_max) : 0;
   bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise;
   if (!symmetric) count_rotation(b, s->damping.norm);
-  bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && symmetric;
-  return strong && !is_settled(s) ? bound_pencil(s, system, &o) : HK_OK;
+  return symmetric ? hk_bound_pencils(s, &o) : HK_OK;
 }

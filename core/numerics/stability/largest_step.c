@@ -36,7 +36,8 @@ static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7
 /* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
 static const double distinct = 1e-6;
 
-enum { W_POINTS = 13, G_POINTS = 6, B_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 2) * G_POINTS * B_POINTS };
+enum { W_POINTS = 13, G_POINTS = 6, B_POINTS = 6, LINE_POINTS = 24, JOINING = 8 };
+enum { POINTS = (W_POINTS + 2) * G_POINTS * B_POINTS + 2 * (LINE_POINTS + HK_DAMPED_LINES + 1) };
 
 typedef struct mode {
   double w, g, b;
@@ -58,17 +59,35 @@ static double overdamped_from(const hk_spectrum *s) {
   return s->damping_slope > 0 ? sqrt(fmax(0, s->g_max - s->damping_offset) / s->damping_slope) : 0;
 }
 
+/* A corner as it is and with the largest turning rate. */
+static void add_corner(mode_set *set, double w, double g, double b) {
+  add_mode(set, w, g, 0);
+  if (b > 0) add_mode(set, w, g, b);
+}
+
+/* The frequency from which a line says that modes are damped; 0: it says nothing, or of all modes. */
+static double damped_from(const hk_spectrum *s, int line) {
+  double slope = s->damped[line].slope, offset = s->damped[line].offset;
+  return slope > 0 ? fmin(s->w_max, sqrt(fmax(0, offset) / slope)) : 0;
+}
+
+/* Adds the least damped modes between the first frequency that a line says to be damped and the highest, closely, as
+ * either end may do where those between do not. */
+static void add_least_damped(mode_set *set, const hk_spectrum *s) {
+  double from = s->w_max;
+  for (int k = 0; k < HK_DAMPED_LINES; k++)
+    if (s->damped[k].slope > 0) from = fmin(from, damped_from(s, k));
+  for (int i = 0; i <= LINE_POINTS && from < s->w_max; i++) {
+    double w = from + (s->w_max - from) * i / LINE_POINTS;
+    add_corner(set, w, floor_of(s, w), s->b_max);
+  }
+}
+
 /* Adds modes with damping rates from low to high at one frequency, each with turning rates up to b. */
 static void add_rates(mode_set *set, double w, double low, double high, double b) {
   static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1}, turn[B_POINTS] = {0, 1, 0.7, 0.4, 0.15, 0.02};
   for (int i = 0; i < (high > low ? G_POINTS : 1); i++)
     for (int k = 0; k < (b > 0 ? B_POINTS : 1); k++) add_mode(set, w, low + part[i] * (high - low), turn[k] * b);
-}
-
-/* A corner as it is and with the largest turning rate. */
-static void add_corner(mode_set *set, double w, double g, double b) {
-  add_mode(set, w, g, 0);
-  if (b > 0) add_mode(set, w, g, b);
 }
 
 static mode_set corners_of(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
@@ -78,6 +97,8 @@ static mode_set corners_of(const hk_integrator *method, const void *parameters, 
   if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_corner(&set, s->w_max, s->g_max, b);
   if (lowest > 0 && lowest < s->w_max) add_corner(&set, lowest, s->g_max, b);
   if (s->w_undamped > 0) add_corner(&set, fmin(s->w_undamped, s->w_max), floor_of(s, 0), b);
+  for (int k = 0; k < HK_DAMPED_LINES; k++)
+    if (damped_from(s, k) > 0) add_corner(&set, damped_from(s, k), floor_of(s, damped_from(s, k)), b);
   if (b > 0) add_mode(&set, 0, floor_of(s, 0), b);
   if (g_at_zero > 0) add_corner(&set, 0, g_at_zero, b);
   if (s->channel_rate > 0) add_mode(&set, 0, s->channel_rate, 0);
@@ -90,6 +111,7 @@ static mode_set grid_of(const hk_integrator *method, const void *parameters, con
   for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
     add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max),
               s->b_max);
+  add_least_damped(&set, s);
   double g_at_zero = hk_spectrum_ceiling(s, 0), least = s->b_max > 0 ? floor_of(s, 0) : 0.01 * g_at_zero;
   if (g_at_zero > 0 || s->b_max > 0) add_rates(&set, 0, least, g_at_zero, s->b_max);
   if (s->channel_rate > 0) add_rates(&set, 0, 0.01 * s->channel_rate, s->channel_rate, 0);

@@ -69,5 +69,8 @@ hk_status hk_operation_bound(hk_operation *, hk_lanczos *, double known); /* the
 hk_status hk_bound_stiffness(hk_spectrum_work *, hk_system *, bool use_stated);
 /* bound_damping.c: bounds g_max, b_max and what the damping is at least. */
 hk_status hk_bound_damping(hk_spectrum_work *, hk_system *);
+/* damping_pencil.c: bounds how damping rises with frequency, from above and from below, where the step depends on it.
+ * The operator is D, which is symmetric but for turning. */
+hk_status hk_bound_pencils(hk_spectrum_work *, const hk_operation *);
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "core/engine/base/base.h"
 
+enum { HK_DAMPED_LINES = 3 };
+
 /* Every mode is an oscillator x'' = -(g + i b) x' - w^2 x with w <= w_max, |b| <= b_max and
  * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */
 typedef struct hk_spectrum {
@@ -16,7 +18,10 @@ typedef struct hk_spectrum {
   double beta;           /* s, least damping over stiffness of the elements */
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
   double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
-  double w_undamped;     /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
+  struct {
+    double slope, offset; /* s, 1/s: no damping rate is below slope w^2 - offset; slope 0: not known */
+  } damped[HK_DAMPED_LINES];
+  double w_undamped;  /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
   double w_switching; /* 1/s, no frequency of forces that set in and cease (HK_STIFFENS) is higher; 0: there are none */
   double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
   bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
@@ -25,7 +30,9 @@ typedef struct hk_spectrum {
 } hk_spectrum;
 
 static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {
-  return s->alpha + s->beta * fmax(0, w * w - s->w_undamped * s->w_undamped);
+  double least = s->alpha + s->beta * fmax(0, w * w - s->w_undamped * s->w_undamped);
+  for (int k = 0; k < HK_DAMPED_LINES; k++) least = fmax(least, s->damped[k].slope * w * w - s->damped[k].offset);
+  return least;
 }
 
 static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
@@ -33,13 +40,15 @@ static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
 }
 
 /* Estimates the spectrum at (system->t, system->X), which do not change. On failure *spectrum does not change. Takes
- * some 30 to 180 evaluations, twice as many for strong damping; allocates memory of some 6 times x and frees it. */
+ * some 30 to 180 evaluations, up to four times as many where there is damping; allocates memory of some 6 times x and
+ * frees it. */
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
 
 /* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of
- * all modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
- * method's instance memory. `step`: NAN, or a step that is given: where a scene is large and what its forces state of
- * their stiffness allows that step, w_max is from that alone, and w_reached is not known and as large. */
+ * all modes sets that step, `damping_slope` is not looked for, and `damped` only where the method gains by damping,
+ * which saves most of the evaluations. `parameters` is the method's instance memory. `step`: NAN, or a step that is
+ * given: where a scene is large and what its forces state of their stiffness allows that step, w_max is from that
+ * alone, and w_reached is not known and as large. */
 hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters, double step,
                                    hk_spectrum *spectrum, hk_error *error);
 

@@ -79,8 +79,10 @@ void hk_watch_raise(hk_watch *w, hk_spectrum *s) {
   double before = w->allowed.stiffness, stiffer = raise(&w->allowed.stiffness, w->expected.stiffness);
   double damped = raise(&w->allowed.damping, w->expected.damping);
   s->w_max = isfinite(stiffer) ? s->w_max * sqrt(stiffer) : sqrt(w->allowed.stiffness);
+  if (isfinite(stiffer)) s->w_switching *= sqrt(stiffer); /* what rose may be what sets in and ceases */
   s->g_max = isfinite(damped) ? s->g_max * damped : s->g_max + w->allowed.damping;
   if (s->beta > 0) /* all that stiffened may be tension, which their damping does not reach */
     s->w_undamped = fmin(s->w_max, sqrt(s->w_undamped * s->w_undamped + w->allowed.stiffness - before));
+  for (int k = 0; k < HK_DAMPED_LINES; k++) s->damped[k].offset += s->damped[k].slope * (w->allowed.stiffness - before);
   s->damping_slope = 0;
 }

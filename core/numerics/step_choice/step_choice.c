@@ -20,7 +20,11 @@ enum { REVIEW_BIRTHS = 20, FREE_BIRTHS = 10, TURNOVER = 10 };
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
 
 static bool same(const hk_spectrum *a, const hk_spectrum *b) {
-  return close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->b_max, b->b_max) &&
+  bool damped_alike = true;
+  for (int k = 0; k < HK_DAMPED_LINES; k++)
+    damped_alike &=
+        close_to(a->damped[k].slope, b->damped[k].slope) && close_to(a->damped[k].offset, b->damped[k].offset);
+  return damped_alike && close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->b_max, b->b_max) &&
          close_to(a->alpha, b->alpha) && close_to(a->beta, b->beta) && close_to(a->w_undamped, b->w_undamped) &&
          close_to(a->w_switching, b->w_switching) && close_to(a->channel_rate, b->channel_rate) && a->evaluations > 0;
 }

@@ -1,7 +1,6 @@
 /* Checkpoints: time, state, who is in it, plugin fields and random streams, and what verdict and choice of the step
  * rest on, so that a run goes on bit by bit as if it had not stopped and is judged as a whole. The walk that writes is
- * the walk that reads. It is taken in memory and then written as a whole; a checksum ends the file: what is damaged is
- * not gone on from. */
+ * the walk that reads. It is taken in memory; checkpoint_file.c writes it as a whole, and reads it. */
 #include "core/numerics/population/population.h"
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/storage/walk.h"
@@ -9,8 +8,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-const char hk_checkpoint_magic[] = "hooke checkpoint 7\n";
 
 typedef struct header {
   uint64_t record_bytes, n, width, channels, samples, warnings, measures, moments, numbers, room, cells;
@@ -88,15 +85,10 @@ static progress progress_of(const hk_loop *loop) {
                     .growth_expected = c->growth_expected};
 }
 
-static bool write_text(hk_walk *w, const char *text, size_t bytes) {
-  uint64_t length = bytes;
-  return hk_walk_put(w, &length, sizeof length) && hk_walk_put(w, text, bytes);
-}
-
 static bool write_warnings(hk_walk *w, const hk_warnings *warnings) {
   bool fine = true;
   for (size_t k = 0; k < warnings->count && fine; k++)
-    fine = write_text(w, warnings->text[k], strlen(warnings->text[k]));
+    fine = hk_checkpoint_put_text(w, warnings->text[k], strlen(warnings->text[k]));
   return fine;
 }
 
@@ -122,42 +114,20 @@ static bool write_record(hk_walk *w, const hk_loop *loop, const hk_judgement *j,
          hk_walk_put(w, j->unresolved, h->samples * sizeof(double)) && write_warnings(w, loop->warnings);
 }
 
-/* The length of a list of words, each with its 0, that an empty one ends. */
-static size_t list_length(const char *words) {
-  const char *end = words;
-  while (end && *end) end += strlen(end) + 1;
-  return words ? (size_t)(end - words) + 1 : 0;
-}
-
 hk_status hk_checkpoint_take(hk_checkpoint *c, hk_loop *loop, const hk_judgement *j, const char *origin,
                              const char *words, hk_error *error) {
   const hk_state *s = loop->state;
   header h = header_of(loop, j);
   hk_walk w = hk_walk_write(c);
   c->count = 0;
-  bool fine = hk_walk_put(&w, hk_checkpoint_magic, strlen(hk_checkpoint_magic)) &&
-              write_text(&w, words, list_length(words)) && write_text(&w, origin, origin ? strlen(origin) + 1 : 0) &&
-              hk_walk_put(&w, &h, sizeof h) && write_record(&w, loop, j, &h) && write_history(&w, loop, j) &&
+  bool fine = hk_checkpoint_begin(&w, words, origin) && hk_walk_put(&w, &h, sizeof h) &&
+              write_record(&w, loop, j, &h) && write_history(&w, loop, j) &&
               hk_walk_put(&w, s->id, h.n * sizeof *s->id) && hk_walk_put(&w, s->group, h.n * sizeof *s->group) &&
               hk_walk_put(&w, s->mass, h.n * sizeof *s->mass) && hk_walk_put(&w, s->X, s->size * sizeof *s->X) &&
               move_instances(&w, loop) && hk_walk_seal(c, strlen(hk_checkpoint_magic));
   if (fine) return HK_OK;
   c->count = 0;
   return hk_error_set(error, HK_NO_MEMORY, "no memory for a checkpoint of %zu particles", (size_t)h.n);
-}
-
-static bool body(FILE *file, const void *what) {
-  const hk_checkpoint *c = what;
-  return fwrite(c->byte, 1, c->count, file) == c->count;
-}
-
-hk_status hk_checkpoint_write(const hk_checkpoint *c, const char *path, hk_error *error) {
-  return hk_write_file(path, body, c, error);
-}
-
-void hk_checkpoint_free(hk_checkpoint *c) {
-  free(c->byte);
-  *c = (hk_checkpoint){0};
 }
 
 /* ---- reading ---- */
@@ -303,10 +273,6 @@ static bool plausible(const hk_loop *loop, const header *h, const hk_particle_se
   return fine;
 }
 
-static hk_status damaged_file(hk_error *error, const char *path) {
-  return hk_error_set(error, HK_IO, "%s is cut short or damaged: it cannot be gone on from", path);
-}
-
 static hk_status other_scene(hk_loop *loop, const char *path, const char *what) {
   return hk_error_set(loop->error, HK_BAD_PARAM, "%s does not fit this scene: %s", path, what);
 }
@@ -325,61 +291,18 @@ static hk_status adopt(hk_loop *loop, const header *h, hk_particle_set *set) {
   return HK_OK;
 }
 
-/* The text at the walk, in the checkpoint's own memory; NULL: an empty one. False: it is damaged. */
-static bool read_text(hk_walk *w, const char **text) {
-  uint64_t length = 0;
-  if (!hk_walk_get(w, &length, sizeof length) || length > w->left) return false;
-  *text = length ? (const char *)w->at : NULL;
-  return (length == 0 || w->at[length - 1] == 0) && hk_walk_skip(w, (size_t)length);
-}
-
-/* A list of words, which an empty one ends. */
-static bool read_list(hk_walk *w, const char **words) {
-  return read_text(w, words) && (!*words || (const char *)w->at == *words + 1 || w->at[-2] == 0);
-}
-
-/* Reads the file, and the two texts that it begins with. */
-static hk_status open_file(hk_checkpoint *c, hk_walk *w, const char *path, const char **words, const char **origin,
-                           hk_error *error) {
-  size_t first = strlen(hk_checkpoint_magic);
-  errno = 0;
-  if (!hk_walk_read_file(c, path)) return hk_io_error(error, "read", path);
-  if (c->count < first || memcmp(c->byte, hk_checkpoint_magic, first - 2) != 0 || c->byte[first - 1] != '\n')
-    return hk_error_set(error, HK_IO, "%s is no checkpoint", path);
-  if (c->byte[first - 2] != hk_checkpoint_magic[first - 2])
-    return hk_error_set(error, HK_IO, "%s is a checkpoint of another version of hooke: write it again", path);
-  if (!hk_walk_open(w, c, first) || !read_list(w, words) || !read_text(w, origin)) return damaged_file(error, path);
-  return HK_OK;
-}
-
-hk_status hk_checkpoint_words(const char *path, char **words, hk_error *error) {
-  hk_checkpoint c = {0};
-  hk_walk w;
-  const char *found = NULL, *origin = NULL;
-  *words = NULL;
-  hk_status status = open_file(&c, &w, path, &found, &origin, error);
-  size_t length = status == HK_OK ? list_length(found) : 0;
-  if (status == HK_OK && length == 0)
-    status = hk_error_set(error, HK_BAD_PARAM, "%s was not written by hooke run: name its scene", path);
-  if (status == HK_OK && !(*words = malloc(length)))
-    status = hk_error_set(error, HK_NO_MEMORY, "no memory for the words of %s", path);
-  if (status == HK_OK) memcpy(*words, found, length);
-  hk_checkpoint_free(&c);
-  return status;
-}
-
 static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *path) {
   header h;
   progress p;
   hk_particle_set set = {0};
-  if (!hk_walk_get(w, &h, sizeof h)) return damaged_file(loop->error, path);
+  if (!hk_walk_get(w, &h, sizeof h)) return hk_checkpoint_damaged(loop->error, path);
   if (h.width != loop->state->width || h.channels != loop->state->model.channels)
     return other_scene(loop, path, "its channels differ");
-  if (!read_record(loop, j, w, &h, &p)) return damaged_file(loop->error, path);
+  if (!read_record(loop, j, w, &h, &p)) return hk_checkpoint_damaged(loop->error, path);
   if (j->last_frame.fps != loop->fps) return other_scene(loop, path, "its frames per second differ");
   if (!read_particles(w, &h, &set) || !plausible(loop, &h, &set)) {
     hk_particle_set_free(&set);
-    return damaged_file(loop->error, path);
+    return hk_checkpoint_damaged(loop->error, path);
   }
   hk_status status = adopt(loop, &h, &set);
   if (status != HK_OK) return status;
@@ -394,7 +317,7 @@ hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, const char *path, c
   hk_walk w;
   const char *words = NULL, *then = NULL;
   char what[1200];
-  hk_status status = open_file(&c, &w, path, &words, &then, loop->error);
+  hk_status status = hk_checkpoint_open(&c, &w, path, &words, &then, loop->error);
   if (status == HK_OK && origin && !hk_origin_same(then, origin, what, sizeof what))
     status = hk_error_set(loop->error, HK_BAD_PARAM,
                           "%s cannot be gone on from: %s; scene:start{file=} takes it for another run", path, what);

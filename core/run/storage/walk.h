@@ -20,4 +20,13 @@ bool hk_walk_seal(hk_checkpoint *, size_t first); /* adds the checksum of what f
 bool hk_walk_open(hk_walk *, const hk_checkpoint *, size_t first); /* false: the checksum is another one */
 bool hk_walk_read_file(hk_checkpoint *, const char *path);         /* false: errno */
 
+/* ---- checkpoint_file.c: what a checkpoint begins with ---- */
+
+bool hk_checkpoint_begin(hk_walk *, const char *words, const char *origin); /* false: no memory */
+bool hk_checkpoint_put_text(hk_walk *, const char *text, size_t bytes);     /* its length first */
+/* Reads the file, and the two texts that it begins with, which are in the checkpoint's memory; NULL: an empty one. */
+hk_status hk_checkpoint_open(hk_checkpoint *, hk_walk *, const char *path, const char **words, const char **origin,
+                             hk_error *error);
+hk_status hk_checkpoint_damaged(hk_error *error, const char *path); /* sets that error */
+
 #endif

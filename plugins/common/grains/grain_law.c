@@ -26,7 +26,7 @@ double hk_grain_damping(double restitution) {
 }
 
 hk_grain_bound hk_grain_stiffness(const hk_grain_law *law, hk_stiffness_part part, double mass) {
-  double k = law->stiffness, across = law->tangential, q = law->yielding;
+  double k = law->stiffness, across = law->friction > 0 ? law->tangential : 0, q = law->yielding;
   if (part != HK_DAMPING_WHOLE) return (hk_grain_bound){k, q * across};
   /* What slips is pushed across by mu times the dashpot along: u.D u has mu c u_n u_t <= mu c (u_n^2 + u_t^2)/2. */
   double c = 2 * law->damping * sqrt(k * mass), coupling = law->friction * c / 2;

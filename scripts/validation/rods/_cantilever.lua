@@ -63,15 +63,21 @@ function cantilever.weight(w)
   return function(scene) scene:force("gravity", { g = { 0, -w, 0 } }) end
 end
 
+-- The orders of the terms of the error: after the second the fourth, but p.next.
+local function orders_of(order, next)
+  return order.space and { space = order.space, within = order.within, space_next = next or 4 } or order
+end
+
 -- For every force (or those of p.with) the quantities of `list`, { name, reference }; solve_one(n, force) returns their
 -- values.
 function cantilever.problem(p, list, source, solve_one)
   local forces = p.with or cantilever.forces
-  p.quantities, p.with = {}, nil
+  local next = p.next
+  p.quantities, p.with, p.next = {}, nil, nil
   for _, force in ipairs(forces) do
     for _, q in ipairs(list) do
       p.quantities[#p.quantities + 1] = { name = ("%s, %s"):format(q[1], force), reference = q[2], source = source,
-        unit = q.unit, tolerance = q.tolerance, why = q.why }
+        unit = q.unit, tolerance = q.tolerance, why = q.why, order = p.order and orders_of(p.order, next and next[force]) }
     end
   end
   p.forces = cantilever.replaceable
@@ -86,7 +92,8 @@ function cantilever.problem(p, list, source, solve_one)
   return validation.problem(p)
 end
 
--- The elastica under a load at the tip, P L^2/EI, or its own weight, w L^3/EI; `with`: forces, all by default.
+-- The elastica under a load at the tip, P L^2/EI, or its own weight, w L^3/EI; `with`: forces, all by default. After
+-- the extrapolation of order 2 what is left of rods falls by 7.9 a level, of angle springs by 16.
 function cantilever.elastica(title, load, angle, down, back, tolerance, with)
   return cantilever.problem({
     title = title,
@@ -94,7 +101,8 @@ function cantilever.elastica(title, load, angle, down, back, tolerance, with)
     space = { 16, 32, 64 },
     order = { space = 2 },
     tolerance = tolerance,
-    why = "what the errors of order 4 leave after the extrapolation of those of order 2",
+    next = { rods = 3 },
+    why = "what is left after the extrapolation of errors of orders 2 and 4, of rods 2 and 3; digits of the reference",
     noise = 1e-10,
     quick = { space = { 4, 8, 16 }, tolerance = 1e-3 },
   }, { { "tip angle", angle, unit = "rad" }, { "way down/L", down }, { "way back/L", back } },

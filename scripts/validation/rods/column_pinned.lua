@@ -3,7 +3,7 @@ local cantilever = require("_cantilever")
 
 return cantilever.buckling({
   title = "Euler's column, pinned at both ends",
-  tolerance = 1e-5,
+  tolerance = 5e-7,
   quick = { space = { 4, 8, 16 }, tolerance = 2e-3 },
   pinned = true,
 }, "P L^2/EI", math.pi ^ 2, "Euler 1744, pi^2", function(scene, n, tip, P)

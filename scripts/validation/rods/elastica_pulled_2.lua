@@ -2,5 +2,5 @@
 local cantilever = require("_cantilever")
 
 return cantilever.elastica("Pulled cantilever, P L^2/EI = 2", function(n) return cantilever.pull(2, n) end,
-  0.7817498316, 0.4934574804, 0.1606417208, 3e-6,
+  0.7817498316, 0.4934574804, 0.1606417208, 2e-9,
   { "angle_springs" })

@@ -2,5 +2,5 @@
 local cantilever = require("_cantilever")
 
 return cantilever.elastica("Pulled cantilever, P L^2/EI = 5", function(n) return cantilever.pull(5, n) end,
-  1.2153681176, 0.7137915236, 0.3876283607, 1e-5,
+  1.2153681176, 0.7137915236, 0.3876283607, 2e-9,
   { "angle_springs" })

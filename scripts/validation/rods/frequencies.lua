@@ -36,8 +36,8 @@ end
 
 local list = {}
 for k, b in ipairs(roots) do
-  list[k] = { ("w_%d"):format(k), b * b, unit = "rad/s", tolerance = ({ 2e-5, 1e-4, 5e-4 })[k],
-    why = "what errors of order 4 leave, (b/64)^4 times some" }
+  list[k] = { ("w_%d"):format(k), b * b, unit = "rad/s", tolerance = ({ 2e-7, 3e-6, 1e-5 })[k],
+    why = "what errors of orders 2 and 4 leave, (b/64)^6 times some" }
 end
 
 return cantilever.problem({

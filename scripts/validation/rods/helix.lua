@@ -27,10 +27,10 @@ return validation.problem {
     { name = "pitch", unit = "m", reference = 2 * math.pi * torsion / square, source = "closed form, 2 pi t/(k^2 + t^2)" },
   },
   space = { 16, 32, 64 },
-  order = { space = 2 },
-  tolerance = 2e-5,
+  order = { space = 2, space_next = 4 },
+  tolerance = 2e-7,
   noise = 1e-7,
-  why = "order 2 leaves errors of order 4: edges turn by 0.16 rad at 64, 0.16^4/40 = 2e-5; at rest to 1e-8 m/s",
+  why = "errors of order 6: edges turn by 0.16 rad at 64, 0.16^6/500 = 3e-8; at rest to 1e-8 m/s",
   forces = { rods = { "edges", "EI", "GJ", "curvature", "torsion" } },
   quick = { space = { 6, 12, 24 }, tolerance = 2e-3 },
   solve = function(at)

@@ -2,18 +2,17 @@
 -- growth that its plugin states and with theory.
 --
 -- Growth is measured on runs of hooke itself (region_scene.lua: hundreds of oscillators in one). A step is a linear
--- map, so positions and velocities obey a linear recurrence s(k+p) = sum c_j s(k+j), whose characteristic roots are
--- those of the step, p = 2 for a one-step method and more with a history (Prony 1795). The smallest p whose
--- least-squares residual is at rounding level is taken, and its largest root is the growth. Components too small to
--- affect the residual have decayed, so they are not the largest.
+-- map, so positions and velocities obey a linear recurrence, of order 2 for a one-step method and more with a history,
+-- whose growth is that of the step (recurrence.lua).
 --
 -- The largest stable step is the first h w at which a motion grows by more than 1e-10 per step (apart from rounding):
 -- it is searched in steps of 4 % and then refined. The search begins at h max(w, g) = 0.05, where methods that are
 -- stable nowhere grow by h^4 w^4/8 = 8e-7; a limit below that counts as none.
 local amplification = require("amplification")
 local json = require("cjson").new()
-local plot = require("common.run.plot")
+local oscillator_theory = require("common.stability.oscillator_theory")
 local process = require("process")
+local recurrence = require("common.stability.recurrence")
 local case_process = require("common.run.case_process")
 
 json.encode_invalid_numbers(true)
@@ -21,124 +20,9 @@ json.decode_invalid_numbers(true)
 
 local stability_region = {}
 
-stability_region.ratios = { 0, 0.01, 0.1, 0.5, 1, 2, 10 } -- damping over critical damping, xi = g/(2 w)
+stability_region.ratios = oscillator_theory.ratios
 
-local steps, startup, most_order = 26, 8, 7
--- The residual of the right recurrence is 1e-15 to 1e-10, depending on the method's algebraic tolerance; a longer one
--- is taken where it fits a hundred times better. A motion that decays below 1e-5 of its size at the start soon reaches
--- rounding level, where any recurrence fits: the growth is then taken from the decay itself.
-local rounding, residual_limit, better, decay_limit = 1e-13, 1e-8, 0.01, 1e-5
-
--- ---- growth of a sequence ----
-
-local function size_of(sequences, first, last)
-  local size = 0
-  for _, s in ipairs(sequences) do
-    for k = first, last do
-      if s[k] ~= s[k] then return math.huge end
-      size = math.max(size, math.abs(s[k]))
-    end
-  end
-  return size
-end
-
--- Rows s(k) .. s(k+p-1) | s(k+p) of all sequences, each scaled to 1, without those at rounding level.
-local function equations(sequences, p)
-  local rows = {}
-  for k = startup, #sequences[1] - p do
-    local common = size_of(sequences, k, k + p)
-    for _, s in ipairs(sequences) do
-      local row, size = {}, size_of({ s }, k, k + p)
-      for j = 0, p do row[j + 1] = s[k + j] / size end
-      if size > decay_limit * common then rows[#rows + 1] = row end
-    end
-  end
-  return rows
-end
-
--- Least squares by Householder reflections: the coefficients, and the RMS residual.
-local function least_squares(rows, p)
-  local m = #rows
-  for j = 1, p do
-    local norm, dot = 0, {}
-    for i = j, m do norm = norm + rows[i][j] ^ 2 end
-    norm = math.sqrt(norm)
-    if norm < 1e-14 then return nil end
-    if rows[j][j] > 0 then norm = -norm end
-    local head = rows[j][j] - norm
-    for c = j + 1, p + 1 do
-      local sum = head * rows[j][c]
-      for i = j + 1, m do sum = sum + rows[i][j] * rows[i][c] end
-      dot[c] = sum / (norm * head)
-    end
-    for c = j + 1, p + 1 do
-      rows[j][c] = rows[j][c] + dot[c] * head
-      for i = j + 1, m do rows[i][c] = rows[i][c] + dot[c] * rows[i][j] end
-    end
-    rows[j][j] = norm
-  end
-  local c, rest = {}, 0
-  for j = p, 1, -1 do
-    local sum = rows[j][p + 1]
-    for l = j + 1, p do sum = sum - rows[j][l] * c[l] end
-    c[j] = sum / rows[j][j]
-  end
-  for i = p + 1, m do rest = rest + rows[i][p + 1] ^ 2 end
-  return c, math.sqrt(rest / math.max(1, m - p))
-end
-
--- |M^N|^(1/N), N = 2^45: the largest root of u^p = sum c_j u^(j-1), through the companion matrix.
-local function largest_root(c, p)
-  local M, logarithm, weight = {}, 0, 1
-  for i = 1, p do
-    M[i] = {}
-    for j = 1, p do M[i][j] = i == p and c[j] or j == i + 1 and 1 or 0 end
-  end
-  for _ = 1, 45 do
-    local size, square = 0, {}
-    for i = 1, p do for j = 1, p do size = math.max(size, math.abs(M[i][j])) end end
-    if size == 0 then return 0 end
-    logarithm = logarithm + weight * math.log(size)
-    weight = weight / 2
-    for i = 1, p do
-      square[i] = {}
-      for j = 1, p do
-        local sum = 0
-        for l = 1, p do sum = sum + M[i][l] * M[l][j] / size / size end
-        square[i][j] = sum
-      end
-    end
-    M = square
-  end
-  return math.exp(logarithm)
-end
-
--- The last step before the motion decays below `decay_limit` times its largest size.
-local function last_before_decay(sequences)
-  local most = 0
-  for k = 1, #sequences[1] do
-    local size = size_of(sequences, k, k)
-    most = math.max(most, size)
-    if size <= decay_limit * most then return k - 1 end
-  end
-  return #sequences[1]
-end
-
--- The growth factor of a step; nil: no recurrence fits, since the method's steps are not linear.
-function stability_region.growth_of(sequences)
-  local count = #sequences[1]
-  if size_of(sequences, 1, count) == math.huge then return math.huge end
-  local last = last_before_decay(sequences)
-  if last < 3 then return 0 end
-  if last < count then return (size_of(sequences, last, last) / size_of(sequences, 1, 1)) ^ (1 / (last - 1)) end
-  local best, least = nil, residual_limit / better
-  for p = 1, most_order do
-    local c, residual = least_squares(equations(sequences, p), p)
-    if c and residual <= better * least then best, least = largest_root(c, p), residual end
-    if least <= rounding then break end
-  end
-  return best
-end
+local steps = 26
 
 -- ---- growth of a method ----
 
@@ -192,7 +76,7 @@ function stability_region.measure(plugin, points)
   if result.steps ~= steps then return nil, ("it took %d steps where %d were given"):format(result.steps, steps) end
   local growth = {}
   for k, sequences in ipairs(sequences_of(list, points)) do
-    growth[k] = stability_region.growth_of(sequences) or false
+    growth[k] = recurrence.growth_of(sequences) or false
   end
   return growth
 end
@@ -306,75 +190,6 @@ function stability_region.limits_of(growth)
   end)
 end
 
--- ---- theory ----
-
--- |R(z)| of a Runge-Kutta method at the two roots z of z^2 + hg z + hw^2 = 0, R(z) = sum c_k z^k.
-local function polynomial(c)
-  local function size(re, im)
-    local a, b = 0, 0
-    for k = #c, 1, -1 do a, b = a * re - b * im + c[k], a * im + b * re end
-    return math.sqrt(a * a + b * b)
-  end
-  return function(hw, hg)
-    local d = hg * hg / 4 - hw * hw
-    if d < 0 then return size(-hg / 2, math.sqrt(-d)) end
-    local fast = -hg / 2 - math.sqrt(d)
-    return math.max(size(fast, 0), fast < 0 and size(hw * hw / fast, 0) or 0)
-  end
-end
-
-local function runge_kutta(c)
-  return function() return stability_region.limits_of(polynomial(c)) end
-end
-
-local function at_ratios(f)
-  return function()
-    local list = {}
-    for k, ratio in ipairs(stability_region.ratios) do list[k] = f(ratio) end
-    return list
-  end
-end
-
--- s (h w)^2 + d h g = 4
-local function recurrence(s, d)
-  return at_ratios(function(x) return (math.sqrt(d * d * x * x + 4 * s) - d * x) / s end)
-end
-
-local any = at_ratios(function() return math.huge end)
-local root = math.sqrt
-local dormand_prince = runge_kutta { 1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 600 }
-
--- Closed forms: Hairer and Wanner, Solving ODEs II, IV.2 and IV.3 (one-step methods, by their stability functions),
--- V.1 (BDF); the recurrences of leapfrog (with the velocity predicted, v + h a) and symplectic Euler at the root -1;
--- Hairer, Norsett and Wanner, Solving ODEs I, III.10 (Stoermer), at -1: 4 = (h w)^2 sum sigma_j 2^j + 2 h g sum gamma_j 2^j.
-local theory = {
-  euler = at_ratios(function(x) return x < 1 and 2 * x or 2 / (x + root(x * x - 1)) end),
-  symplectic_euler = at_ratios(function(x) return 2 * (root(1 + x * x) - x) end),
-  leapfrog = at_ratios(function(x) return 2 * (root(1 + 4 * x * x) - 2 * x) end),
-  midpoint = runge_kutta { 1, 1, 1 / 2 },
-  trapezoid = runge_kutta { 1, 1, 1 / 2 },
-  rk4 = runge_kutta { 1, 1, 1 / 2, 1 / 6, 1 / 24 },
-  dopri5 = dormand_prince,
-  arkode = dormand_prince,
-  stoermer = function() return { root(2) } end,
-  stoermer_wide2 = recurrence(1, 1.376),
-  stoermer_wide3 = recurrence(1 + 1 / 3 - 0.16, 2 * (2 + 5 / 3 - 8 * 0.66 + 16 * 0.17)),
-  stoermer_wide4 = recurrence(2 - 16 * 0.004 - 32 * 0.015, 2 * (5 + 5 / 3 - 16 * 0.67 + 32 * 0.18)),
-  backward_euler = any,
-  implicit_midpoint = any,
-  implicit_trapezoid = any,
-  bdf2 = any,
-  tr_bdf2 = any,
-  esdirk4 = any,
-  imex = any,
-  baraff_witkin = any,
-  local_global = any,
-  xpbd = any,
-}
-
--- Limits of h w known in closed form, in the order of the ratios (perhaps of the first only); nil where there is none.
-function stability_region.theory(name) return theory[name] and theory[name]() end
-
 -- ---- all methods ----
 
 local function work(plugin, fd)
@@ -396,7 +211,8 @@ local function row_of(job)
   local plugin, fine, answer = job.plugin, pcall(json.decode, job.text)
   if not fine then answer = { why = "the process that measured it crashed" } end
   local stated = stability_region.stated(plugin)
-  return { plugin = plugin, measured = answer.limits, why = answer.why, theory = stability_region.theory(plugin.name),
+  return { plugin = plugin, measured = answer.limits, why = answer.why,
+    theory = oscillator_theory.limits(plugin.name, stability_region.limits_of),
     stated = stated and stability_region.limits_of(stated) }
 end
 
@@ -500,55 +316,6 @@ function stability_region.rows(all)
     end
   end
   return rows
-end
-
--- ---- pictures ----
-
--- Of z = h lambda in the complex plane; the lower half mirrors the upper one. On both half-axes the root and its double
--- are taken: a method with one evaluation of the damping may have a smaller limit when the two roots differ (see the
--- table).
-local grid = { low = -6, high = 2, top = 6, count = 160 }
-
-local function panel(stated)
-  local rows = {}
-  for i = 0, grid.count do
-    for j = 0, grid.count do
-      local re, im = grid.low + (grid.high - grid.low) * i / grid.count, grid.top * j / grid.count
-      rows[#rows + 1] = { re, im, stated(math.sqrt(re * re + im * im), -2 * re) <= 1 + 1e-7 and 1 or 0 }
-    end
-  end
-  return rows
-end
-
-local function title_of(plugin)
-  return ("%s, order %d"):format(plugin.name, plugin.order)
-end
-
--- Draws the regions of all plugins that state their growth as NAME.png and NAME.svg; returns true, or nil and the
--- reason.
-function stability_region.draw(path, plugins)
-  local data, panels = {}, {}
-  for _, plugin in ipairs(plugins) do
-    local stated = stability_region.stated(plugin)
-    if stated then
-      local name = "P" .. #panels + 1
-      data[#data + 1] = { name = name, rows = panel(stated) }
-      panels[#panels + 1] = ("set title %s noenhanced offset 0,-0.7\n"):format(plot.quote(title_of(plugin)))
-        .. ("plot $%s using 1:2:3 with image notitle"):format(name)
-    end
-  end
-  if #panels == 0 then return nil, "no method states its growth" end
-  local columns = math.min(6, #panels)
-  local last = table.remove(panels)
-  local head, item = last:match("^(.-)\nplot (.*)$")
-  return plot.draw(path, { width = 260 * columns, height = 240 * math.ceil((#panels + 1) / columns) + 60,
-    data = data, more = { item .. "\nunset multiplot" }, commands = { "unset key", "unset colorbox", "unset grid",
-      "set palette defined (0 '#FFFFFF', 1 '#8FB3D9')", "set cbrange [0:1]",
-      ("set xrange [%g:%g]"):format(grid.low, grid.high), ("set yrange [0:%g]"):format(grid.top), "set size ratio -1",
-      "set xtics 2", "set ytics 2", "set arrow from 0,0 to 0,6 nohead front lc rgb '#000000' lw 0.6 dt 3",
-      "set xlabel 'Re h {/Symbol l}' offset 0,0.6", "set ylabel 'Im h {/Symbol l}' offset 1.2,0",
-      ("set multiplot layout %d,%d title 'Stable (filled): growth of a step at most 1'"):format(
-        math.ceil((#panels + 1) / columns), columns), table.concat(panels, "\n"), head } })
 end
 
 return stability_region

@@ -80,6 +80,16 @@ function convergence.limit(h, v, common)
   return v[n] + (v[n] - v[n - 1]) * h[n] ^ p / (h[n - 1] ^ p - h[n] ^ p)
 end
 
+-- The value to which the finest three levels converge where their error has two known terms, v(h) = v + A h^p + B h^q.
+function convergence.of_two_terms(h, v, p, q)
+  local n = #h
+  local a, b = h[n - 2] ^ p - h[n - 1] ^ p, h[n - 2] ^ q - h[n - 1] ^ q
+  local c, d = h[n - 1] ^ p - h[n] ^ p, h[n - 1] ^ q - h[n] ^ q
+  local r, s = v[n - 2] - v[n - 1], v[n - 1] - v[n]
+  local det = a * d - b * c
+  return v[n] - (r * d - b * s) / det * h[n] ^ p - (a * s - r * c) / det * h[n] ^ q
+end
+
 -- The number of decimal digits to which two numbers agree, relative to `scale`; 16, all that doubles have, at most.
 function convergence.digits(value, reference, scale)
   local off = math.abs(value - reference) / scale

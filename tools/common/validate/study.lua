@@ -85,6 +85,13 @@ local function judge(found, description, quick)
   end
 end
 
+-- Where the orders of two terms of the error are given, and the levels show the first, the value without both.
+local function extrapolate_twice(found, axis, q)
+  local first, second, c = q.order[axis], q.order[axis .. "_next"], found[axis]
+  if not (first and second and c.order) or c.in_noise or math.abs(c.order - first) > (q.order.within or default_within) then return end
+  c.value = convergence.of_two_terms(c.h, c.v, first, second)
+end
+
 -- Gives all quantities the order of the vector that they are.
 local function join(list, axis, h)
   local vectors, noise = {}, 0
@@ -117,6 +124,7 @@ function study.results(description, levels, cells, quick)
       found[axis].h, found[axis].v = h, v
     end
     if h and description.together then join(list, axis, h) end
+    for _, found in ipairs(h and list or {}) do extrapolate_twice(found, axis, found.quantity) end
   end
   for _, found in ipairs(list) do judge(found, description, quick) end
   return list

@@ -115,6 +115,19 @@ static void damping_makes_euler_possible(void **state) {
   assert_true(stable(EULER, s).limit == 0);
 }
 
+/* The same from g >= 2e-3 w^2 - offset: with an offset of 0.2/s modes of 10/s may have no damping. Of two lines the
+ * higher one counts. */
+static void damping_from_below_makes_euler_possible(void **state) {
+  (void)state;
+  hk_spectrum s = {.w_max = 100, .g_max = 20, .damped = {{2e-3, 0}}};
+  assert_near(stable(EULER, s).limit, 2e-3);
+  s.damped[0].offset = 0.2;
+  assert_true(stable(EULER, s).limit == 0);
+  s.damped[1].slope = 1e-3;
+  /* the second line, up to 14.1/s; as these modes are slow, 2e-7 a step allow a quarter of a percent */
+  assert_true(fabs(stable(EULER, s).limit - 1e-3) < 5e-6);
+}
+
 /* With damping in proportion to stiffness, g = 4e-3 w^2, only the fastest mode is damped critically: its two rates are
  * 500/s, and 2/500 s is euler's limit. Were slow modes damped as much, one would have a rate of 1000/s. */
 static void damping_that_rises_with_frequency_leaves_slow_modes_alone(void **state) {
@@ -259,6 +272,7 @@ int main(void) {
       cmocka_unit_test(rates_are_limited_on_the_real_axis),
       cmocka_unit_test(damping_shortens_the_symplectic_step),
       cmocka_unit_test(damping_makes_euler_possible),
+      cmocka_unit_test(damping_from_below_makes_euler_possible),
       cmocka_unit_test(damping_that_rises_with_frequency_leaves_slow_modes_alone),
       cmocka_unit_test(methods_without_a_stable_step_get_an_accurate_one),
       cmocka_unit_test(nothing_limits_implicit_methods_and_free_flight),

@@ -95,12 +95,33 @@ static void where_a_force_states_nothing_there_is_no_measurement(void **state) {
   network_destroy(w);
 }
 
+/* Symplectic methods take a part of the step that contacts allow, which shortens with the others'. */
+static void contacts_stiffen_with_the_scene(void **state) {
+  (void)state;
+  hk_watch w = {.allowed = {true, 100, 1}, .expected = {true, 400, 1}};
+  hk_spectrum s = {.w_max = 10, .w_switching = 8};
+  hk_watch_raise(&w, &s);
+  assert_true(fabs(s.w_max - 10 * sqrt(4.2)) < 1e-12 && fabs(s.w_switching - 8 * sqrt(4.2)) < 1e-12);
+}
+
+/* All that stiffened may be what nothing damps: g >= 0.01 w^2 - 1 becomes 0.01 (w^2 - 110) - 1, with 5 % of headroom.
+ */
+static void what_stiffens_counts_as_undamped(void **state) {
+  (void)state;
+  hk_watch w = {.allowed = {true, 100, 1}, .expected = {true, 200, 1}};
+  hk_spectrum s = {.w_max = 10, .g_max = 1, .damped = {{0.01, 1}}};
+  hk_watch_raise(&w, &s);
+  assert_true(fabs(s.damped[0].offset - (1 + 0.01 * 110)) < 1e-12 && s.damped[0].slope == 0.01);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_stays_is_no_rise),
       cmocka_unit_test(a_rise_raises_the_spectrum),
       cmocka_unit_test(a_slow_rise_is_seen_in_time),
       cmocka_unit_test(where_a_force_states_nothing_there_is_no_measurement),
+      cmocka_unit_test(contacts_stiffen_with_the_scene),
+      cmocka_unit_test(what_stiffens_counts_as_undamped),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -210,7 +210,7 @@ static void one_that_is_cut_short_is_refused_at_every_length(void **state) {
   char path[512];
   snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
   bytes b = saved(moved_by_a_corrector, path);
-  const size_t first_line = strlen("hooke checkpoint 7\n");
+  const size_t first_line = strlen("hooke checkpoint 8\n");
   for (size_t count = 0; count < b.count; count++) {
     write_bytes(path, &b, count);
     expect_refused(path, count >= first_line ? "is cut short or damaged" : "");
@@ -222,7 +222,7 @@ static void one_with_any_byte_changed_is_refused(void **state) {
   char path[512];
   snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
   bytes b = saved(moved_by_a_corrector, path);
-  const size_t first_line = strlen("hooke checkpoint 7\n");
+  const size_t first_line = strlen("hooke checkpoint 8\n");
   for (size_t at = 0; at < b.count; at++) {
     b.byte[at] ^= 0x81;
     write_bytes(path, &b, b.count);
@@ -234,7 +234,7 @@ static void one_with_any_byte_changed_is_refused(void **state) {
 /* FNV-1a on eight lanes of words, and of what is left on bytes. */
 static void sum_again(bytes *b) {
   const uint64_t basis = 1469598103934665603u, prime = 1099511628211u;
-  const size_t first = strlen("hooke checkpoint 7\n"), end = b->count - 8;
+  const size_t first = strlen("hooke checkpoint 8\n"), end = b->count - 8;
   uint64_t lane[8], word, sum = basis;
   size_t k = first;
   for (size_t l = 0; l < 8; l++) lane[l] = basis + l;
@@ -259,7 +259,7 @@ static void numbers_in_it_are_not_believed(void **state) {
   char path[512], text[1024];
   snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
   bytes whole = saved(moved_by_a_corrector, path);
-  const size_t begin = strlen("hooke checkpoint 7\n"), words = (whole.count - begin - 8) / 8;
+  const size_t begin = strlen("hooke checkpoint 8\n"), words = (whole.count - begin - 8) / 8;
   size_t refused = 0;
   for (size_t w = 0; w < words; w++)
     for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -276,7 +276,7 @@ static void numbers_in_it_are_not_believed(void **state) {
 
 /* How many words are refused where they have this value. */
 static size_t refused_with(const bytes *whole, uint64_t value, const char *path) {
-  const size_t begin = strlen("hooke checkpoint 7\n"), words = (whole->count - begin - 8) / 8;
+  const size_t begin = strlen("hooke checkpoint 8\n"), words = (whole->count - begin - 8) / 8;
   size_t refused = 0;
   char text[1024];
   for (size_t w = 0; w < words; w++) {
@@ -314,7 +314,7 @@ static void a_list_of_another_length_than_the_plugin_gave_it_is_refused(void **s
   snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
   bytes whole = saved(with_an_obstacle, path);
   size_t tried = 0;
-  for (size_t at = strlen("hooke checkpoint 7\n"); at + 16 < whole.count; at++) {
+  for (size_t at = strlen("hooke checkpoint 8\n"); at + 16 < whole.count; at++) {
     if (memcmp(whole.byte + at, &poses, 8) != 0) continue;
     for (size_t cut = 8 * POSES; cut <= LONGEST * POSES && at + 16 + cut < whole.count; cut += 8 * POSES, tried++) {
       bytes b = whole;

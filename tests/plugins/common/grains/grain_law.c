@@ -57,11 +57,23 @@ static void a_contact_never_pulls(void **state) {
   }
 }
 
+/* A tangential spring that slips at once holds nothing, and must not shorten the step. */
+static void without_friction_nothing_is_stiff_across(void **state) {
+  (void)state;
+  hk_grain_law law = {.stiffness = 1000, .tangential = 500, .damping = 0.1, .yielding = 3.5};
+  hk_grain_bound K = hk_grain_stiffness(&law, HK_STIFFNESS_WHOLE, 2), D = hk_grain_stiffness(&law, HK_DAMPING_WHOLE, 2);
+  assert_true(K.along == 1000 && K.across == 0 && D.across == 0);
+  assert_true(fabs(D.along - 2 * 0.1 * sqrt(2000)) < 1e-12);
+  law.friction = 0.4;
+  assert_true(hk_grain_stiffness(&law, HK_STIFFNESS_WHOLE, 2).across == 1750);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(damping_gives_the_restitution_of_its_equation),
       cmocka_unit_test(friction_is_a_spring_up_to_its_limit),
       cmocka_unit_test(a_contact_never_pulls),
+      cmocka_unit_test(without_friction_nothing_is_stiff_across),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
