@@ -6,10 +6,11 @@
 #include <string.h>
 
 static const double margin = 2, no_order = 0.75, /* the ratio of two distances above which no order is seen */
-    order_part = 0.125, /* of the run that the quarter of the step is taken for: half the run's cost */
-    seen = 1e-4,        /* of the accuracy: a distance that shows an order */
-    stricter = 1e-3,    /* the tolerance of a second reference, relative to the first */
-    reserve = 0.98;     /* what an estimate leaves of the accuracy, for its own error */
+    order_part = 0.125,     /* of the run that the quarter of the step is taken for: half the run's cost */
+    beginning_part = 0.125, /* of the run, for a reference that cannot be had for all of it */
+    seen = 1e-4,            /* of the accuracy: a distance that shows an order */
+    stricter = 1e-3,        /* the tolerance of a second reference, relative to the first */
+    reserve = 0.98;         /* what an estimate leaves of the accuracy, for its own error */
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -144,13 +145,17 @@ static void use_reference(hk_comparison *c, const hk_comparison_run *reference) 
 }
 
 /* Functions that vibrate limit the steps. */
-static void take_reference(hk_comparison *c, hk_reference want) {
-  hk_comparison_run reference;
+static bool run_reference(const hk_comparison *c, hk_reference want, hk_comparison_run *reference) {
   if (vibrates(c)) want.dt_most = fmin(want.dt_most, c->sampling.shortest / pulse_lengths);
   hk_run_options o = *c->first;
   o.cut = c->cut;
   o.cuts = c->cuts;
-  if (!hk_reference_take(c->loader, &o, c->whole, &want, &reference)) return;
+  return hk_reference_take(c->loader, &o, c->whole, &want, reference);
+}
+
+static void take_reference(hk_comparison *c, hk_reference want) {
+  hk_comparison_run reference;
+  if (!run_reference(c, want, &reference)) return;
   use_reference(c, &reference);
   hk_trajectory_free(&reference.trajectory);
 }
@@ -170,7 +175,7 @@ static double frequency(const hk_comparison *c) {
 }
 
 void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
-  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse});
+  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse, 0});
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
@@ -185,7 +190,7 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
 void hk_comparison_tie_break(hk_comparison *c) {
   if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
     take_reference(
-        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false});
+        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false, 0});
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
@@ -195,6 +200,26 @@ void hk_comparison_use_half(hk_comparison *c) {
   c->error = margin * relative(c, &d);
   c->position = margin * d.position;
   snprintf(c->how, sizeof c->how, "compared with half the step and a start off by 1e-14 of the extent");
+}
+
+/* A beginning that agrees proves nothing of what follows: the error is then that by half the step. */
+void hk_comparison_use_beginning(hk_comparison *c, hk_effort effort) {
+  hk_comparison_run reference;
+  hk_reference want = {strictest(c), INFINITY, frequency(c), effort, true, beginning_part};
+  if (c->whole->asked.at_end || !run_reference(c, want, &reference)) return;
+  double until = hk_trajectory_time(&reference.trajectory, 1);
+  hk_distance d = distance(c, NULL, &reference, until);
+  double error = relative(c, &d) / reference.reserve;
+  if (error > 1 && error > c->error && !(reference.missed > c->accuracy)) {
+    c->has_reference = true;
+    c->worst = d;
+    c->error = error;
+    c->position = d.position;
+    snprintf(c->how, sizeof c->how,
+             "compared up to t = %.3g s with %s at a tolerance of %.1g: the steps lose what half of them lose, too",
+             until, reference.method, reference.tol);
+  }
+  hk_trajectory_free(&reference.trajectory);
 }
 
 /* The order is that of the first part of the run, where a quarter of the step is affordable; the distance is that of

@@ -38,6 +38,9 @@ void hk_comparison_use_half(hk_comparison *);                        /* the erro
 bool hk_comparison_use_order(hk_comparison *);
 /* The error by an independent method, where that is worth it; `coarse`: with less confidence, if need be. */
 void hk_comparison_reference(hk_comparison *, hk_effort, bool coarse);
+/* The error by an independent method over the first frames, where it is above what half the step shows: for swings that
+ * both lose (hk_comparison_may_lose_swings), where no reference is affordable to the end. */
+void hk_comparison_use_beginning(hk_comparison *, hk_effort);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
 void hk_comparison_tie_break(hk_comparison *);
 /* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
@@ -52,5 +55,7 @@ bool hk_comparison_energy_converges(const hk_comparison *);
 double hk_comparison_damped_energy(const hk_comparison *);
 /* Whether the method may have damped swings that it does not resolve. */
 bool hk_comparison_damped_modes(const hk_comparison *);
+/* Whether half the step, too, halves the amplitude of the fastest swings by the end of the run. */
+bool hk_comparison_may_lose_swings(const hk_comparison *);
 
 #endif

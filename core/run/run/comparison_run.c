@@ -94,14 +94,16 @@ hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_opt
     note_spectrum(found, &again->step->spectrum);
     found->energy_defect = hk_energy_defect(&summary);
     found->kinetic = summary.kinetic_max;
-    found->reach = again->record.reach;
     found->step = summary.dt_max / whole->record.dt_max;
+  }
+  if (again) {
+    found->reach = again->record.reach;
     found->missed = hk_missed_encounters_error(&again->loop);
     found->tol = again->dynamics.system.tol;
     found->trajectory = again->judgement.trajectory;
     again->judgement.trajectory = (hk_trajectory){0};
+    hk_run_close(again, error);
   }
-  if (again) hk_run_close(again, error);
   loader->close(loader->context, again);
   return status;
 }

@@ -31,15 +31,19 @@ static double free_mass(const hk_run *run) {
   return sum;
 }
 
+/* The logarithm of what `steps` steps of h s leave of the amplitude of the fastest mode beyond its own damping; 0 where
+ * the method does not state its growth. */
+static double loss(const hk_run *run, const hk_comparison_run *half, double h, double steps) {
+  const hk_integrator *m = run->loop.method;
+  double w = half->fastest, g = half->damped;
+  if (!m->growth || !(w > 0)) return 0;
+  return steps * (log(m->growth(run->loop.integrator->self, m->method, h * w, h * g, 0)) + fmin(h * g / 2, h * w));
+}
+
 /* Whether numerical damping alone halves the amplitude of the fastest mode within the run. Methods that estimate their
  * errors are excluded: their error estimates include this damping. */
 static bool damps_fastest_mode(const hk_run *run, const hk_summary *s, const hk_comparison_run *half) {
-  const hk_integrator *m = run->loop.method;
-  double h = s->dt_max, w = half->fastest, g = half->damped;
-  if (run->record.worst_error > 0 || !m->growth || !(w > 0)) return false;
-  return (double)s->steps *
-             (log(m->growth(run->loop.integrator->self, m->method, h * w, h * g, 0)) + fmin(h * g / 2, h * w)) <
-         log(0.5);
+  return !(run->record.worst_error > 0) && loss(run, half, s->dt_max, (double)s->steps) < log(0.5);
 }
 
 /* An energy defect that such a method keeps with a step of length 0 was the energy of oscillations that both runs have
@@ -57,4 +61,8 @@ double hk_comparison_damped_energy(const hk_comparison *c) {
 bool hk_comparison_damped_modes(const hk_comparison *c) {
   const hk_run *run = c->whole;
   return run->loop.method->flags & HK_IMPLICIT && run->record.dt_max * c->half.swings > resolved;
+}
+
+bool hk_comparison_may_lose_swings(const hk_comparison *c) {
+  return loss(c->whole, &c->half, c->summary->dt_max / 2, 2 * (double)c->summary->steps) < log(0.5);
 }

@@ -86,6 +86,11 @@ static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_inte
          b->free / (1 + (double)whole->state.model.n / b->particles) / free_cost;
 }
 
+/* The part of the run's frames that a reference has to reach to be one. */
+static double least_part(const hk_run *whole, const hk_reference *want) {
+  return want->beginning > 0 ? 1 / (double)whole->record.frames : 1;
+}
+
 /* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
  * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
 static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
@@ -93,7 +98,7 @@ static double least_steps(const hk_run *whole, const hk_reference *want, const h
   bool iterates = hk_integrator_tables_of(method)->adaptive.evaluations > 0;
   double limit = iterates ? iteration_limit : method->stages;
   double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / limit;
-  return fmax((double)whole->record.frames, stable);
+  return least_part(whole, want) * fmax((double)whole->record.frames, stable);
 }
 
 /* What is looked for, and with what confidence. */
@@ -128,6 +133,11 @@ static hk_run_options options_of(const search *s, const hk_plugin *plugin) {
   return o;
 }
 
+/* Whether the frames of a beginning are there when its steps are used up. */
+static bool is_beginning(const search *s) {
+  return s->want->beginning > 0 && s->error.status == HK_INTERRUPTED && s->found->trajectory.moments > 1;
+}
+
 static bool attempt(search *s, wish w) {
   const hk_run *whole = s->whole;
   const hk_plugin *plugin;
@@ -137,7 +147,9 @@ static bool attempt(search *s, wish w) {
   double steps = allowed_steps(whole, s->want->effort, plugin->integrator);
   if (o.tol > least_of_own(whole) || !(steps >= least_steps(whole, s->want, plugin->integrator))) return false;
   o.step_limit = (size_t)steps;
-  bool reached = hk_comparison_run_take(s->loader, &o, whole, whole->state.t, s->found, &s->error) == HK_OK;
+  double until =
+      s->want->beginning > 0 ? hk_trajectory_time(&whole->judgement.trajectory, s->want->beginning) : whole->state.t;
+  bool reached = hk_comparison_run_take(s->loader, &o, whole, until, s->found, &s->error) == HK_OK || is_beginning(s);
   s->found->method = plugin->name;
   s->found->perturbation = o.perturb;
   s->found->reserve = s->strict->reserve;

@@ -184,7 +184,8 @@ typedef struct hk_comparison_run {
   double damped;          /* 1/s, at least so much is that one damped */
 } hk_comparison_run;
 
-/* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure. */
+/* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure, when it has
+ * the frames up to there. */
 hk_status hk_comparison_run_take(const hk_scene_loader *, const hk_run_options *, const hk_run *whole, double until,
                                  hk_comparison_run *, hk_error *error);
 double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess is positive */
@@ -206,9 +207,13 @@ typedef struct hk_reference {
   double frequency; /* 1/s, the largest of the scene, where it is known; 0 */
   hk_effort effort;
   bool coarse; /* a coarser reference will do where a strict one takes too many steps */
+  /* 0: the whole run. Otherwise this part of its frames, or fewer, at least one beyond the start, where the steps that
+   * it may take are used up. */
+  double beginning;
 } hk_reference;
 
-/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end. False: it would
+/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end, or over the
+ * beginning that was wanted. False: it would
  * take more than the effort, or the scene is not to be integrated by a method that chooses its steps. */
 bool hk_reference_take(const hk_scene_loader *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_comparison_run *);

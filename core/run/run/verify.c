@@ -49,11 +49,13 @@ static bool judge(hk_comparison *c) {
 /* Where an accuracy was asked for. */
 static void judge_accuracy(hk_comparison *c) {
   bool known = true, possible = hk_comparison_agrees(c, 1);
-  hk_comparison_reference(c, possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL, possible);
+  hk_effort effort = possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL;
+  hk_comparison_reference(c, effort, possible);
   hk_comparison_tie_break(c);
   if (!c->has_reference) {
     hk_comparison_use_half(c);
     known = c->error <= 1 || !possible || hk_comparison_use_order(c);
+    if (c->error <= 1 && hk_comparison_may_lose_swings(c)) hk_comparison_use_beginning(c, effort);
   }
   bool fine = judge(c);
   if (fine || c->has_reference || (known && c->error > 1)) return;
