@@ -215,7 +215,8 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, hk_summary 
   if (loop->record->by_hand)
     checked(s, ", ", "moved by hand (work %.3g J), which no other run repeats: compared with none", s->hand_work);
   if (loop->record->contact_frames) checked(s, ", ", "no surfaces intersect at any frame");
-  if (!(s->accuracy > 0) && !hk_confirmed(c) && !loop->record->by_hand)
+  bool known = hk_confirmed(c) || (c->tried && !isnan(c->error));
+  if (!(s->accuracy > 0) && !known && !loop->record->by_hand)
     checked(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
   if (c->tried && !isnan(c->error)) describe_error(c, s);
   describe_functions(&c->sampling, s);

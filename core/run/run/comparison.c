@@ -187,10 +187,14 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
 
 /* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
  * grow. The second has steps no longer than the run's. */
-void hk_comparison_tie_break(hk_comparison *c) {
+void hk_comparison_tie_break(hk_comparison *c, hk_effort effort) {
   if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(
-        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false, 0});
+    take_reference(c,
+                   (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, effort, false, 0});
+}
+
+void hk_comparison_sharpen(hk_comparison *c, hk_effort effort) {
+  take_reference(c, (hk_reference){strictest(c) * stricter, INFINITY, frequency(c), effort, false, 0});
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */

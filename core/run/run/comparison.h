@@ -42,7 +42,9 @@ void hk_comparison_reference(hk_comparison *, hk_effort, bool coarse);
  * both lose (hk_comparison_may_lose_swings), where no reference is affordable to the end. */
 void hk_comparison_use_beginning(hk_comparison *, hk_effort);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
-void hk_comparison_tie_break(hk_comparison *);
+void hk_comparison_tie_break(hk_comparison *, hk_effort);
+/* The error by a stricter reference in its place, where the effort allows one: it may be the one that is wrong. */
+void hk_comparison_sharpen(hk_comparison *, hk_effort);
 /* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
  */
 bool hk_comparison_agrees(const hk_comparison *, double times);

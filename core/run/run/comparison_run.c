@@ -97,6 +97,7 @@ hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_opt
     found->step = summary.dt_max / whole->record.dt_max;
   }
   if (again) {
+    found->steps = again->record.steps + again->record.rejected;
     found->reach = again->record.reach;
     found->missed = hk_missed_encounters_error(&again->loop);
     found->tol = again->dynamics.system.tol;

@@ -51,7 +51,7 @@ static void judge_accuracy(hk_comparison *c) {
   bool known = true, possible = hk_comparison_agrees(c, 1);
   hk_effort effort = possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL;
   hk_comparison_reference(c, effort, possible);
-  hk_comparison_tie_break(c);
+  hk_comparison_tie_break(c, HK_EFFORT_LARGE);
   if (!c->has_reference) {
     hk_comparison_use_half(c);
     known = c->error <= 1 || !possible || hk_comparison_use_order(c);
@@ -69,16 +69,32 @@ static void judge_without_half(hk_comparison *c) {
   judge(c);
 }
 
-/* Where none was: half the step is taken where it could defend the run. */
-static void judge_motion(hk_comparison *c) {
+/* Half the step, which costs two runs: where it could defend the run, and costs no more than a reference may. */
+static bool take_half_in_defence(hk_comparison *c) {
   hk_error error = {0};
-  hk_comparison_reference(c, HK_EFFORT_SMALL, true);
-  if (!c->has_reference) { /* what functions of time do between evaluations counts */
-    hk_judge(&c->whole->loop, &c->whole->judgement, &c->whole->asked);
+  if (!c->compared && hk_reference_affords(c->whole, 2, HK_EFFORT_LEAST)) hk_comparison_take_half(c, &error);
+  return c->compared;
+}
+
+/* What functions of time do between evaluations counts; energies that are not balanced may be a few large numbers of
+ * steps that damp, while the positions are right. */
+static void judge_without_reference(hk_comparison *c) {
+  hk_run *run = c->whole;
+  hk_judge(&run->loop, &run->judgement, &run->asked);
+  if (run->judgement.verdict != HK_INACCURATE || !take_half_in_defence(c)) return;
+  hk_comparison_use_half(c);
+  if (c->error <= 1) judge(c);
+}
+
+/* Where none was. */
+static void judge_motion(hk_comparison *c) {
+  hk_comparison_reference(c, HK_EFFORT_LEAST, true);
+  if (!c->has_reference) {
+    judge_without_reference(c);
     return;
   }
-  if (c->error > 1 && !c->compared) hk_comparison_take_half(c, &error);
-  if (c->compared) hk_comparison_tie_break(c);
+  if (c->error > 1) hk_comparison_sharpen(c, HK_EFFORT_LEAST);
+  if (c->error > 1 && take_half_in_defence(c)) hk_comparison_tie_break(c, HK_EFFORT_SMALL);
   judge(c);
 }
 
