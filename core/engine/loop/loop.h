@@ -87,7 +87,7 @@ typedef struct hk_loop_hooks {
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
   void (*now_and_then)(void *context);    /* every 64 steps */
-  void (*passing)(void *context);         /* after each of the first HK_EARLY_STEPS steps, and every HK_TILE_STEPS */
+  void (*passing)(void *context);         /* after every HK_TILE_STEPS steps, 2 of the first HK_EARLY_STEPS */
 } hk_loop_hooks;
 
 typedef struct hk_loop hk_loop;
