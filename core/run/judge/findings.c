@@ -66,6 +66,8 @@ static void add_error(const words *w, const hk_finding *f) {
         c->position, c->at, w->s->accuracy, c->how);
   else
     add(w, "the error is about %.3g m at t = %.4g s, more than a tenth of the motion (%s)", c->position, c->at, c->how);
+  if (hk_damps_as_chosen(w->s))
+    add(w, "%s damps what swings faster than %.2g s by half or more in a swing", w->s->integrator, w->s->damps_below);
 }
 
 /* What comparisons with other runs showed, or could not. */
@@ -167,6 +169,13 @@ static void checked(hk_summary *s, const char *separator, const char *format, ..
 }
 
 static void describe_energy(hk_summary *s) {
+  if (hk_damps_as_chosen(s) && fabs(s->energy_drift) > hk_limit.visible) {
+    checked(s, ", ",
+            "energy fell by %.2g %% of the largest kinetic energy: %s damps what swings faster than %.2g s (by half in "
+            "a swing, and more)",
+            100 * fabs(s->energy_drift), s->integrator, s->damps_below);
+    return;
+  }
   if (fabs(s->energy_drift) * s->kinetic_max <= hk_energy_rounding(s))
     checked(s, ", ", "energy balanced to its rounding");
   else if (fabs(s->energy_drift) > hk_limit.visible)

@@ -140,6 +140,11 @@ void hk_missed_encounters_note(hk_loop *, double h);
 bool hk_missed_encounters_asks(const hk_loop *);    /* a force of the scene states its encounters */
 double hk_missed_encounters_error(const hk_loop *); /* m, RMS over the particles, at the present time */
 
+/* ---- own_damping.c ---- */
+
+/* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors. */
+double hk_damps_below(const hk_loop *);
+
 /* ---- force_errors.c ---- */
 
 void hk_by_hand_note(hk_loop *);      /* at a frame and at the end: asks forces that a user's hand moves for its work */
@@ -174,6 +179,8 @@ typedef struct hk_summary {
   double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
   double kinetic_max, kinetic_rounding; /* J; the latter: of moves that are rounding errors of positions, in a step */
   double kinetic_mean;                  /* J, over the frames */
+  double damps_below; /* s: what swings faster loses half its amplitude or more in each swing, by the method alone; NAN:
+                         its damping is not what it is for */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
   double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */
@@ -315,6 +322,8 @@ typedef struct hk_comparisons {
 } hk_comparisons;
 
 bool hk_confirmed(const hk_comparisons *); /* an independent method agrees with the run */
+/* The method was chosen without an accuracy, and damps what it does not resolve: that energy is missing is no fault. */
+bool hk_damps_as_chosen(const hk_summary *);
 hk_opinion hk_verdict_find(const hk_evidence *, const hk_comparisons *);
 /* J, what is no change of the energy that is held: the kinetic energy of a scene at rest is smaller than that, so that
  * nothing can be compared with it. */

@@ -20,6 +20,8 @@ static void find_above(hk_opinion *o, hk_fault fault, double value, double allow
 
 bool hk_confirmed(const hk_comparisons *c) { return c->reference && c->error <= 1; }
 
+bool hk_damps_as_chosen(const hk_summary *s) { return s->damps_below > 0 && s->accuracies == 0 && s->energy_drift < 0; }
+
 /* ---- energy ---- */
 
 /* Energy that came or went without a cause. It is compared with the kinetic energy that is known to have been there:
@@ -36,7 +38,7 @@ static void judge_energy(const hk_evidence *e, const hk_comparisons *c, hk_opini
     find(o, HK_ENERGY_NOT_FINITE, s->energy_last, NAN, 0);
     return;
   }
-  if (c->energy_converges || !(drift > hk_energy_rounding(s))) return;
+  if (c->energy_converges || !(drift > hk_energy_rounding(s)) || hk_damps_as_chosen(s)) return;
   if (s->energy_drift > 0) excess = fmin(excess, fmax(1.01, log1p(s->energy_drift) / hk_limit.visible));
   if (of_largest > 1)
     find(o, HK_ENERGY_OF_LARGEST, drift, excess, e->order);

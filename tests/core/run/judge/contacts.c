@@ -1,5 +1,5 @@
-/* What core/run/judge/contacts.c promises: a run whose surfaces intersect at a frame is inaccurate and says where and when;
- * a start that intersects is refused, or, where a plugin removes that, told apart. */
+/* What core/run/judge/contacts.c promises: a run whose surfaces intersect at a frame is inaccurate and says where and
+ * when; a start that intersects is refused, or, where a plugin removes that, told apart. */
 #include "tests/support/command.h"
 
 #include <math.h>
@@ -74,7 +74,8 @@ static void a_start_that_is_repaired_is_not(void **state) {
 static void contact_that_gives_energy_is_not_ok(void **state) {
   (void)state;
   run("0 }, energies = { 0, 9, 9, 4, 4", false, "");
-  assert_says(5, "contact gave 5 J, 0.649 of the largest kinetic energy, while no surface was driven: try a smaller dt");
+  assert_says(5,
+              "contact gave 5 J, 0.649 of the largest kinetic energy, while no surface was driven: try a smaller dt");
   run("0 }, energies = { 0, 9, 9, 4, 4", false, "--accuracy 1e-3");
   assert_says(5, "contact gave 5 J");
   run("0 }, energies = { 0, 9, 9, 8.5, 9", false, "");
