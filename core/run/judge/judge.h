@@ -142,7 +142,8 @@ double hk_missed_encounters_error(const hk_loop *); /* m, RMS over the particles
 
 /* ---- own_damping.c ---- */
 
-/* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors. */
+/* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors.
+ */
 double hk_damps_below(const hk_loop *);
 
 /* ---- force_errors.c ---- */
@@ -282,7 +283,7 @@ typedef struct hk_finding {
   hk_fault fault;
   double value;  /* in the unit of the fault */
   double excess; /* how many times above what is allowed, in a figure that goes with step^order; NAN: in none */
-  int order;
+  double order;
 } hk_finding;
 
 typedef struct hk_opinion {
@@ -298,6 +299,7 @@ typedef struct hk_evidence {
   unsigned method; /* flags of the integrator */
   int order;       /* of the integrator */
   bool growth_expected, ignore_exact, exact_failed;
+  bool abrupt; /* there are impacts, or other changes within a step: the order may be 1, whatever the method's is */
   double extent, motion; /* m, of the scene; over which the particles move at most */
   double exact_motion;   /* m, over which the exact solution moves them; NAN: not known */
   double unresolved;     /* m, local error by the change of accelerations */
@@ -314,9 +316,10 @@ typedef struct hk_comparisons {
   const char *channel;     /* whose error is the largest; NULL: that of the positions is */
   double channel_accuracy; /* asked for that channel; 0: none was */
   double channel_error;    /* of the worst channel relative to its accuracy; NAN: none was asked for */
-  double damped;           /* m: how far energy that both runs damp would have taken the particles */
-  double difference;       /* m, RMS, to half the step; NAN: not taken */
-  double wall_s;           /* s, time of all of these runs; NAN: none */
+  double order;      /* in which half the step is nearer to the reference, or the quarter to the half; NAN: not seen */
+  double damped;     /* m: how far energy that both runs damp would have taken the particles */
+  double difference; /* m, RMS, to half the step; NAN: not taken */
+  double wall_s;     /* s, time of all of these runs; NAN: none */
   char how[160];
   hk_sampling sampling; /* of functions of time */
 } hk_comparisons;
@@ -358,6 +361,9 @@ void hk_judgement_close(hk_judgement *);
 /* At the end, and after comparisons: gathers the evidence and finds the verdict. HK_SCRIPT: the exact solution failed,
  * with loop->error. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
+/* Whether something acts or ceases within steps, such as impacts, friction that sticks and correctors: what the error
+ * is in one part of the run then says little of another part. */
+bool hk_is_abrupt(const hk_loop *);
 /* The figures with the verdict in words; may be asked for at any time. The pointers are valid until the run is
  * destroyed, those of `plugin` until the next summary. */
 void hk_summary_take(hk_loop *, hk_judgement *, const hk_asked *, hk_summary *);

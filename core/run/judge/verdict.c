@@ -9,12 +9,12 @@ double hk_energy_rounding(const hk_summary *s) {
   return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max) + s->kinetic_rounding;
 }
 
-static void find(hk_opinion *o, hk_fault fault, double value, double excess, int order) {
+static void find(hk_opinion *o, hk_fault fault, double value, double excess, double order) {
   if (o->count < HK_FAULTS) o->finding[o->count++] = (hk_finding){fault, value, excess, order};
 }
 
 /* A value above what is allowed; the step cures it by the order. */
-static void find_above(hk_opinion *o, hk_fault fault, double value, double allowed, int order) {
+static void find_above(hk_opinion *o, hk_fault fault, double value, double allowed, double order) {
   if (value > allowed) find(o, fault, value, value / allowed, order);
 }
 
@@ -92,7 +92,8 @@ static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_
     return;
   }
   if (c->tried && isnan(c->error) && s->accuracies > 0) find(o, HK_NOT_CHECKED, NAN, NAN, 0);
-  if (c->tried) find_above(o, HK_ERROR, c->error, 1, e->order);
+  double order = c->order > 0 ? fmin(c->order, e->order) : e->abrupt ? 1 : e->order;
+  if (c->tried) find_above(o, HK_ERROR, c->error, 1, order);
   find_above(o, HK_DAMPED, c->damped, s->accuracy, e->order);
   if (!c->tried && c->sampling.varies && c->sampling.where) find(o, HK_PULSE, c->sampling.shortest, NAN, 0);
 }

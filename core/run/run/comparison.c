@@ -131,6 +131,11 @@ hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
   return status;
 }
 
+/* How fast the error falls from the step to half of it. */
+static double order_of(const hk_comparison *c, double error, double error_of_half) {
+  return c->compared && error > 0 && error_of_half > 0 ? log(error / error_of_half) / -log(c->half.step) : NAN;
+}
+
 /* A reference that has passed by a force of short range is none. */
 static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
   measure_by(c, &reference->trajectory, reference->reach);
@@ -140,6 +145,10 @@ static void use_reference(hk_comparison *c, const hk_comparison_run *reference) 
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
+  if (c->compared) {
+    hk_distance half = distance(c, &c->half, reference, INFINITY);
+    c->order = order_of(c, relative(c, &d), relative(c, &half));
+  }
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
            reference->method, reference->tol, reference->perturbation);
 }
@@ -234,13 +243,16 @@ bool hk_comparison_use_order(hk_comparison *c) {
   hk_run_options o = refined(c, 2);
   double until = begin_of(c) > 0 ? c->whole->state.t : hk_trajectory_time(&c->whole->judgement.trajectory, order_part),
          ratio = NAN;
-  if (c->sampling.varies) return false; /* half the step is another part then */
+  /* half the step is another part then; and the order of the first part may not be that of the rest */
+  if (c->sampling.varies || hk_is_abrupt(&c->whole->loop)) return false;
   if (hk_comparison_run_take(c->loader, &o, c->whole, until, &quarter, &error) == HK_OK) {
     hk_distance first = distance(c, NULL, &c->half, until), second = distance(c, &c->half, &quarter, until);
     if (relative(c, &first) > seen) ratio = relative(c, &second) / relative(c, &first);
   }
   hk_trajectory_free(&quarter.trajectory);
   if (!(ratio < no_order)) return false;
+  c->order = order_of(c, 1, ratio);
+  ratio = fmax(ratio, pow(c->half.step, c->whole->loop.method->order)); /* no smaller than that of the method */
   c->error /= margin * (1 - ratio) * reserve;
   c->position /= margin * (1 - ratio);
   snprintf(c->how, sizeof c->how, "compared with a half and a quarter of the step");

@@ -23,6 +23,7 @@ typedef struct hk_comparison {
   bool has_reference; /* the error is that to a reference */
   double error;       /* relative; NAN: not known */
   double position;    /* m */
+  double order;       /* see hk_comparisons */
   hk_distance worst;  /* the distance it is from */
   char how[160];
 } hk_comparison;

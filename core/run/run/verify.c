@@ -35,6 +35,7 @@ static bool judge(hk_comparison *c) {
   found->reference = c->has_reference;
   found->error = c->error;
   found->position = c->position;
+  found->order = c->order;
   found->at = c->worst.t;
   found->channel = channel ? channel->name : NULL;
   found->channel_accuracy = channel && channel->accuracy > 0 ? channel->accuracy : 0;
@@ -83,6 +84,7 @@ static void judge_without_reference(hk_comparison *c) {
   hk_judge(&run->loop, &run->judgement, &run->asked);
   if (run->judgement.verdict != HK_INACCURATE || !take_half_in_defence(c)) return;
   hk_comparison_use_half(c);
+  if (c->error > 1 && hk_comparison_agrees(c, 1)) hk_comparison_use_order(c);
   if (c->error <= 1) judge(c);
 }
 
@@ -100,7 +102,8 @@ static void judge_motion(hk_comparison *c) {
 
 hk_status hk_verify(const hk_scene_loader *loader, const hk_run_options *first, bool half, hk_run *whole, hk_summary *s,
                     hk_error *error) {
-  hk_comparison c = {.loader = loader, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN};
+  hk_comparison c = {
+      .loader = loader, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN, .order = NAN};
   hk_comparisons *found = &whole->judgement.comparisons;
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE, asked = s->accuracies > 0;
   double begin = hk_clock();
