@@ -145,6 +145,8 @@ double hk_missed_encounters_error(const hk_loop *); /* m, RMS over the particles
 /* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors.
  */
 double hk_damps_below(const hk_loop *);
+/* s: what swings faster than that has lost half of its amplitude by the present time. */
+double hk_damps_by_now(const hk_loop *);
 
 /* ---- force_errors.c ---- */
 
@@ -325,8 +327,10 @@ typedef struct hk_comparisons {
 } hk_comparisons;
 
 bool hk_confirmed(const hk_comparisons *); /* an independent method agrees with the run */
-/* The method was chosen without an accuracy, and damps what it does not resolve: that energy is missing is no fault. */
+/* The method was chosen without an accuracy, and damps what it does not resolve: that energy is missing is no fault;
+ * that a reference measures an error of a tenth of the motion is one. */
 bool hk_damps_as_chosen(const hk_summary *);
+bool hk_damps_visibly(const hk_summary *); /* by so much that it would be a fault otherwise */
 hk_opinion hk_verdict_find(const hk_evidence *, const hk_comparisons *);
 /* J, what is no change of the energy that is held: the kinetic energy of a scene at rest is smaller than that, so that
  * nothing can be compared with it. */

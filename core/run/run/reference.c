@@ -21,10 +21,11 @@ static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0
                     implicit_stage = 8;
 
 /* What a reference may cost: a share of the run's evaluations, and `free` evaluations of a scene of a few particles;
- * one of 16 particles costs about twice as much as one of none. */
+ * one of 16 particles costs about twice as much as one of none. Constraints count in all of one that nobody has asked
+ * for. */
 static const struct budget {
   double share, free, particles;
-} budgets[] = {[HK_EFFORT_LEAST] = {0.2, 6e4, 16},
+} budgets[] = {[HK_EFFORT_LEAST] = {0.2, 1e5, 16},
                [HK_EFFORT_SMALL] = {0.4, 6e4, 16},
                [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16},
                [HK_EFFORT_LARGE] = {4, 6e5, 16}};
@@ -90,7 +91,8 @@ bool hk_reference_affords(const hk_run *whole, double runs, hk_effort effort) {
 static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
   const struct budget *b = &budgets[effort];
   double share = method->flags & HK_IMPLICIT && effort != HK_EFFORT_LARGE ? 0 : b->share;
-  double free_cost = method->flags & HK_IMPLICIT ? step_cost(whole, method) : evaluations_of(method);
+  bool whole_steps = method->flags & HK_IMPLICIT || effort == HK_EFFORT_LEAST;
+  double free_cost = whole_steps ? step_cost(whole, method) : evaluations_of(method);
   return share * cost(whole) / step_cost(whole, method) +
          b->free / (1 + (double)whole->state.model.n / b->particles) / free_cost;
 }

@@ -38,10 +38,10 @@ static void damping_that_was_chosen_is_said(void **state) {
   static const char *const methods[] = {"backward_euler", "local_global"};
   for (size_t k = 0; k < 2; k++) {
     char arguments[80];
-    snprintf(arguments, sizeof arguments, "--integrator %s", methods[k]);
+    snprintf(arguments, sizeof arguments, "--integrator %s --no-check", methods[k]);
     run(arguments, 0);
     assert_true(test_json(r.out, "drift") < -0.1);
-    assert_non_null(strstr(r.out, "damps what swings faster than"));
+    assert_non_null(strstr(r.out, "damps what swings faster than 0.2"));
     snprintf(arguments, sizeof arguments, "--integrator %s --accuracy 1e-4", methods[k]);
     run(arguments, 5);
   }

@@ -92,6 +92,9 @@ static void a_method_that_was_chosen_to_damp_may_damp(void **state) {
   is_ok(&e);
   e.figures.energy_drift = -0.09, e.figures.kinetic_mean = 0.1;
   is_ok(&e);
+  e.comparisons.tried = e.comparisons.reference = true, e.comparisons.error = 4; /* that is measured */
+  has_only(&e, HK_ERROR, 4);
+  e = good(), e.figures.damps_below = 0.1;
   e.figures.energy_drift = -0.2, e.figures.kinetic_mean = 0.5, e.figures.accuracy = 1, e.figures.accuracies = 1;
   has_only(&e, HK_ENERGY_OF_LARGEST, 2);
   e = good(), e.figures.damps_below = 0.1, e.figures.energy_drift = 10;
