@@ -10,6 +10,12 @@
  *    D / (1 - ratio) of the two distances there (Richardson). Where figures of the run contradict a small D, the
  *    reference is tried at a higher cost.
  *
+ *    Where half the step damps fast swings as well, a reference goes as far as its steps reach: those of the start are
+ *    then seen to be lost.
+ *
+ * Where no accuracy is asked for there is 2. alone, for a fifth of the run's cost; if it disagrees, once more with a
+ * smaller tolerance. 3. is for tiny scenes, whose figures speak against them.
+ *
  * All are compared at all frames (hk_trajectory), or at the end where the scene says so. The other runs end steps where
  * a function of time changes fast (judge/under_sampled.c), so that they do not step over what the run stepped over. */
 #include "core/run/run/comparison.h"
