@@ -219,9 +219,11 @@ void hk_comparison_use_half(hk_comparison *c) {
 void hk_comparison_use_beginning(hk_comparison *c, hk_effort effort) {
   hk_comparison_run reference;
   hk_reference want = {strictest(c), INFINITY, frequency(c), effort, true, beginning_part};
-  if (c->whole->asked.at_end || !run_reference(c, want, &reference)) return;
+  double decay = c->half.damping * c->whole->state.t / 2; /* of the scene's own swings, by the end, at most */
+  if ((c->whole->asked.at_end && !(decay < log(2))) || !run_reference(c, want, &reference)) return;
   double until = hk_trajectory_time(&reference.trajectory, 1);
-  hk_distance d = distance(c, NULL, &reference, until);
+  const hk_trajectory *own = &c->whole->judgement.trajectory;
+  hk_distance d = hk_trajectory_distance(own, &reference.trajectory, c->whole->scene, c->channel, 0, until);
   double error = relative(c, &d) / reference.reserve;
   if (error > 1 && error > c->error && !(reference.missed > c->accuracy)) {
     c->has_reference = true;

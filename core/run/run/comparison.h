@@ -40,7 +40,8 @@ bool hk_comparison_use_order(hk_comparison *);
 /* The error by an independent method, where that is worth it; `coarse`: with less confidence, if need be. */
 void hk_comparison_reference(hk_comparison *, hk_effort, bool coarse);
 /* The error by an independent method over the first frames, where it is above what half the step shows: for swings that
- * both lose (hk_comparison_may_lose_swings), where no reference is affordable to the end. */
+ * both lose (hk_comparison_may_lose_swings), where no reference is affordable to the end. Where the accuracy holds
+ * at the end only, what the scene's own damping would end until then is not counted. */
 void hk_comparison_use_beginning(hk_comparison *, hk_effort);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
 void hk_comparison_tie_break(hk_comparison *, hk_effort);

@@ -76,6 +76,7 @@ static void note_spectrum(hk_comparison_run *found, const hk_spectrum *s) {
   found->swings = s->w_reached;
   found->fastest = s->w_max;
   found->damped = hk_spectrum_floor(s, s->w_max);
+  found->damping = s->g_max;
 }
 
 hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_options *options, const hk_run *whole,

@@ -183,7 +183,7 @@ typedef struct hk_comparison_run {
   double step;            /* longest step relative to that of the first run */
   double missed;          /* m, what its own steps may have missed of encounters */
   double swings, fastest; /* 1/s: a frequency that its scene has, and one above which it has none */
-  double damped;          /* 1/s, at least so much is that one damped */
+  double damped, damping; /* 1/s: that one is damped by so much at least, and none by more than the latter */
 } hk_comparison_run;
 
 /* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure, when it has
