@@ -143,8 +143,8 @@ static void a_reference_does_not_repeat_the_steps_of_the_run(void **state) {
   }
 }
 
-/* A planet of an eccentricity of 0.9 for 60 turns: errors of 1e-6 in a step are decimetres in the end, so that the first
- * reference is worse than the run, which the second, at a smaller tolerance, confirms. */
+/* A planet of an eccentricity of 0.9 for 60 turns: errors of 1e-6 in a step are decimetres in the end, so that the
+ * first reference is worse than the run, which the second, at a smaller tolerance, confirms. */
 static void a_reference_that_is_worse_than_the_run_is_replaced(void **state) {
   (void)state;
   static const char planet[] =
