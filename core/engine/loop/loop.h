@@ -77,6 +77,8 @@ typedef struct hk_piece {
   double dt;             /* s, the longest step when it was cut */
 } hk_piece;
 
+enum { HK_EARLY_STEPS = 64 };
+
 /* Functions that the loop calls; NULL: none. */
 typedef struct hk_loop_hooks {
   void *context;
@@ -86,7 +88,7 @@ typedef struct hk_loop_hooks {
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
   void (*now_and_then)(void *context);    /* every 64 steps */
-  void (*passing)(void *context);         /* after every HK_TILE_STEPS steps */
+  void (*passing)(void *context);         /* after every HK_TILE_STEPS steps, 2 of the first HK_EARLY_STEPS */
 } hk_loop_hooks;
 
 typedef struct hk_loop hk_loop;

@@ -282,17 +282,24 @@ static hk_status accept_by_forces(hk_loop *loop, double h) {
   return status;
 }
 
+/* What comes to rest, or back to its start, at every frame is seen between them: at every second one of the first
+ * steps, since a swing may last as many as there are between two of the later looks. */
+static void note_passing(hk_loop *loop) {
+  const hk_state *s = loop->state;
+  loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
+  if (loop->hooks.passing) loop->hooks.passing(loop->hooks.context);
+}
+
 hk_status hk_step_accept(hk_loop *loop, double h, double error) {
   hk_state *s = loop->state;
   loop->emitted = false;
   if (loop->dynamics->evaluations.distance) hk_evaluations_accept(&loop->dynamics->evaluations, s->t);
   note_step(loop, h, error);
   hk_status status = loop->dynamics->listens ? accept_by_forces(loop, h) : HK_OK;
-  if (status == HK_OK && loop->record->steps % HK_TILE_STEPS == 0) {
-    status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
-    loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
-    if (loop->hooks.passing) loop->hooks.passing(loop->hooks.context);
-  }
+  size_t steps = loop->record->steps;
+  bool now_and_then = steps % HK_TILE_STEPS == 0, early = steps < HK_EARLY_STEPS && steps % 2 == 1;
+  if (status == HK_OK && now_and_then) status = hk_step_check(loop);
+  if (status == HK_OK && (now_and_then || early)) note_passing(loop);
   return status;
 }
 

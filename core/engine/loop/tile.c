@@ -17,6 +17,9 @@ static bool is_watched(const hk_loop *loop) {
          loop->hooks.before_sample || loop->integrator->spec->timed_count;
 }
 
+/* Of the steps between two cuts: the first tiles are shorter, as the state is seen at their ends only. */
+enum { EARLY_PARTS = 3 };
+
 bool hk_tile_fits(const hk_loop *loop) {
   return hk_integrator_tables_of(loop->method)->tile.steps && !is_watched(loop) &&
          hk_evaluate_takes_several(loop->dynamics);
@@ -25,6 +28,7 @@ bool hk_tile_fits(const hk_loop *loop) {
 size_t hk_tile_length(const hk_loop *loop, const hk_piece *p) {
   size_t steps = loop->record->steps, now = loop->dynamics->count.evaluations, watch_at = loop->step->watch_at;
   size_t length = lesser(p->n - p->i + 1, HK_TILE_STEPS - steps % HK_TILE_STEPS);
+  if (steps < HK_EARLY_STEPS) length = lesser(length, p->n < EARLY_PARTS ? 1 : p->n / EARLY_PARTS);
   if (loop->schedule.step_limit) length = lesser(length, loop->schedule.step_limit - steps);
   return watch_at > now ? lesser(length, watch_at - now) : length;
 }

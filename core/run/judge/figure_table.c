@@ -32,6 +32,8 @@ const hk_figure hk_figure_table[] = {
     {"energy", "drift", HK_FIGURE_NUMBER, AT(energy_drift), NULL, ", drift %.3g of the largest kinetic energy"},
     {NULL, "kinetic_max", HK_FIGURE_NUMBER, AT(kinetic_max), NULL, NULL},
     {NULL, "kinetic_mean", HK_FIGURE_NUMBER, AT(kinetic_mean), NULL, NULL},
+    {NULL, "damps_below", HK_FIGURE_NUMBER, AT(damps_below), "own damping",
+     "of the method: half in a swing of %.2g s, more of faster ones"},
     {NULL, "momentum_drift", HK_FIGURE_NUMBER, AT(momentum_drift), "momentum drift", "%.3g"},
     {NULL, "max_strain", HK_FIGURE_NUMBER, AT(max_strain), "largest strain", "%.4g"},
     {NULL, "constraint_violation", HK_FIGURE_NUMBER, AT(constraint_violation), "constraints",

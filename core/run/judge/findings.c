@@ -66,6 +66,9 @@ static void add_error(const words *w, const hk_finding *f) {
         c->position, c->at, w->s->accuracy, c->how);
   else
     add(w, "the error is about %.3g m at t = %.4g s, more than a tenth of the motion (%s)", c->position, c->at, c->how);
+  if (hk_damps_as_chosen(w->s))
+    add(w, "%s damps what swings faster than %.2g s by half or more in a swing, and faster than %.2g s by the end",
+        w->s->integrator, w->s->damps_below, hk_damps_by_now(w->loop));
 }
 
 /* What comparisons with other runs showed, or could not. */
@@ -166,7 +169,14 @@ static void checked(hk_summary *s, const char *separator, const char *format, ..
   va_end(arguments);
 }
 
-static void describe_energy(hk_summary *s) {
+static void describe_energy(const hk_loop *loop, hk_summary *s) {
+  if (hk_damps_visibly(s)) {
+    checked(s, ", ",
+            "energy fell by %.2g %% of the largest kinetic energy: %s damps what swings faster than %.2g s by half or "
+            "more in a swing, and faster than %.2g s by the end",
+            100 * fabs(s->energy_drift), s->integrator, s->damps_below, hk_damps_by_now(loop));
+    return;
+  }
   if (fabs(s->energy_drift) * s->kinetic_max <= hk_energy_rounding(s))
     checked(s, ", ", "energy balanced to its rounding");
   else if (fabs(s->energy_drift) > hk_limit.visible)
@@ -211,11 +221,12 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, hk_summary 
   const hk_comparisons *c = &j->comparisons;
   if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) describe_stability(loop, s);
   if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) checked(s, ", ", "each step within its tolerance");
-  describe_energy(s);
+  describe_energy(loop, s);
   if (loop->record->by_hand)
     checked(s, ", ", "moved by hand (work %.3g J), which no other run repeats: compared with none", s->hand_work);
   if (loop->record->contact_frames) checked(s, ", ", "no surfaces intersect at any frame");
-  if (!(s->accuracy > 0) && !hk_confirmed(c) && !loop->record->by_hand)
+  bool known = hk_confirmed(c) || (c->tried && !isnan(c->error));
+  if (!(s->accuracy > 0) && !known && !loop->record->by_hand)
     checked(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
   if (c->tried && !isnan(c->error)) describe_error(c, s);
   describe_functions(&c->sampling, s);

@@ -140,6 +140,14 @@ void hk_missed_encounters_note(hk_loop *, double h);
 bool hk_missed_encounters_asks(const hk_loop *);    /* a force of the scene states its encounters */
 double hk_missed_encounters_error(const hk_loop *); /* m, RMS over the particles, at the present time */
 
+/* ---- own_damping.c ---- */
+
+/* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors.
+ */
+double hk_damps_below(const hk_loop *);
+/* s: what swings faster than that has lost half of its amplitude by the present time. */
+double hk_damps_by_now(const hk_loop *);
+
 /* ---- force_errors.c ---- */
 
 void hk_by_hand_note(hk_loop *);      /* at a frame and at the end: asks forces that a user's hand moves for its work */
@@ -174,6 +182,8 @@ typedef struct hk_summary {
   double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
   double kinetic_max, kinetic_rounding; /* J; the latter: of moves that are rounding errors of positions, in a step */
   double kinetic_mean;                  /* J, over the frames */
+  double damps_below; /* s: what swings faster loses half its amplitude or more in each swing, by the method alone; NAN:
+                         its damping is not what it is for */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
   double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */
@@ -275,7 +285,7 @@ typedef struct hk_finding {
   hk_fault fault;
   double value;  /* in the unit of the fault */
   double excess; /* how many times above what is allowed, in a figure that goes with step^order; NAN: in none */
-  int order;
+  double order;
 } hk_finding;
 
 typedef struct hk_opinion {
@@ -291,6 +301,7 @@ typedef struct hk_evidence {
   unsigned method; /* flags of the integrator */
   int order;       /* of the integrator */
   bool growth_expected, ignore_exact, exact_failed;
+  bool abrupt; /* there are impacts, or other changes within a step: the order may be 1, whatever the method's is */
   double extent, motion; /* m, of the scene; over which the particles move at most */
   double exact_motion;   /* m, over which the exact solution moves them; NAN: not known */
   double unresolved;     /* m, local error by the change of accelerations */
@@ -307,14 +318,19 @@ typedef struct hk_comparisons {
   const char *channel;     /* whose error is the largest; NULL: that of the positions is */
   double channel_accuracy; /* asked for that channel; 0: none was */
   double channel_error;    /* of the worst channel relative to its accuracy; NAN: none was asked for */
-  double damped;           /* m: how far energy that both runs damp would have taken the particles */
-  double difference;       /* m, RMS, to half the step; NAN: not taken */
-  double wall_s;           /* s, time of all of these runs; NAN: none */
+  double order;      /* in which half the step is nearer to the reference, or the quarter to the half; NAN: not seen */
+  double damped;     /* m: how far energy that both runs damp would have taken the particles */
+  double difference; /* m, RMS, to half the step; NAN: not taken */
+  double wall_s;     /* s, time of all of these runs; NAN: none */
   char how[160];
   hk_sampling sampling; /* of functions of time */
 } hk_comparisons;
 
 bool hk_confirmed(const hk_comparisons *); /* an independent method agrees with the run */
+/* The method was chosen without an accuracy, and damps what it does not resolve: that energy is missing is no fault;
+ * that a reference measures an error of a tenth of the motion is one. */
+bool hk_damps_as_chosen(const hk_summary *);
+bool hk_damps_visibly(const hk_summary *); /* by so much that it would be a fault otherwise */
 hk_opinion hk_verdict_find(const hk_evidence *, const hk_comparisons *);
 /* J, what is no change of the energy that is held: the kinetic energy of a scene at rest is smaller than that, so that
  * nothing can be compared with it. */
@@ -349,6 +365,9 @@ void hk_judgement_close(hk_judgement *);
 /* At the end, and after comparisons: gathers the evidence and finds the verdict. HK_SCRIPT: the exact solution failed,
  * with loop->error. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
+/* Whether something acts or ceases within steps, such as impacts, friction that sticks and correctors: what the error
+ * is in one part of the run then says little of another part. */
+bool hk_is_abrupt(const hk_loop *);
 /* The figures with the verdict in words; may be asked for at any time. The pointers are valid until the run is
  * destroyed, those of `plugin` until the next summary. */
 void hk_summary_take(hk_loop *, hk_judgement *, const hk_asked *, hk_summary *);

@@ -16,7 +16,7 @@ hk_status hk_judgement_open(hk_judgement *j, const hk_scene *scene, hk_error *er
   j->last_frame.measure_name = j->measure_name;
   j->last_frame.measure = j->measure;
   hk_comparisons *c = &j->comparisons;
-  c->error = c->position = c->channel_error = c->difference = c->wall_s = NAN;
+  c->error = c->position = c->order = c->channel_error = c->difference = c->wall_s = NAN;
   return HK_OK;
 }
 
@@ -49,6 +49,12 @@ static hk_status check_exact(hk_loop *loop, hk_judgement *j, bool ignored) {
   return status;
 }
 
+bool hk_is_abrupt(const hk_loop *loop) {
+  const hk_record *r = loop->record;
+  return loop->plugins->kind[HK_CORRECTOR].count > 0 || r->contact_frames > 0 || r->late_impacts > 0 ||
+         r->rejected > 0 || r->moved || r->corrected || loop->dynamics->system.contact;
+}
+
 hk_status hk_judge(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   hk_summary figures;
   hk_by_hand_note(loop);
@@ -63,6 +69,7 @@ hk_status hk_judge(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
                                 .growth_expected = hk_step_choice_of(loop)->growth_expected,
                                 .ignore_exact = asked->ignore_exact,
                                 .exact_failed = status != HK_OK,
+                                .abrupt = hk_is_abrupt(loop),
                                 .extent = hk_state_extent(loop->state),
                                 .motion = motion(loop),
                                 .exact_motion = j->exact_motion,

@@ -16,15 +16,17 @@ static const double aim = 0.5, aim_of_tolerance = 0.1 /* errors follow it loosel
 typedef struct need {
   double excess;  /* how far it is above what is allowed */
   double shorten; /* the part of the step that would do */
+  double order;   /* of the finding that asks for that part */
 } need;
 
 static need worst_of(const hk_opinion *o) {
-  need n = {1, 1};
+  need n = {1, 1, 1};
   for (size_t k = 0; k < o->count; k++) {
     const hk_finding *f = &o->finding[k];
     if (!(f->excess > 1)) continue;
     n.excess = fmax(n.excess, f->excess);
-    n.shorten = fmin(n.shorten, pow(aim / f->excess, 1.0 / f->order));
+    double part = pow(aim / f->excess, 1.0 / f->order);
+    if (part < n.shorten) n.shorten = part, n.order = f->order;
   }
   return n;
 }
@@ -44,7 +46,20 @@ static void add(hk_summary *s, const char *format, ...) {
   va_end(arguments);
 }
 
-static void describe_step(const hk_loop *loop, const need *n, hk_summary *s) {
+/* Of the order on which the step rests: what half the step showed, or an assumption. */
+static void describe_order(const hk_loop *loop, const hk_judgement *j, double order, char *text, size_t size) {
+  const char *name = loop->integrator->plugin->name;
+  if (j->comparisons.order > 0 && order != loop->method->order)
+    snprintf(text, size, "the error falls with the step to the power %.2g, as half the step shows", order);
+  else if (order != loop->method->order)
+    snprintf(text, size, "the error falls with the step to the power %.2g, as impacts leave it (not tried)", order);
+  else
+    snprintf(text, size, "the error falls with the step to the power %.2g, the order of %s (%s)", order, name,
+             j->comparisons.order > 0 ? "and half the step shows it" : "not tried");
+}
+
+static void describe_step(const hk_loop *loop, const hk_judgement *j, const need *n, hk_summary *s) {
+  char order[160];
   const hk_step_choice *c = hk_step_choice_of(loop);
   double dt = s->dt_max * n->shorten;
   if (c->dt_limit > 0) dt = fmin(dt, of_limit * c->dt_limit); /* NAN and 0: not known, none */
@@ -53,7 +68,8 @@ static void describe_step(const hk_loop *loop, const need *n, hk_summary *s) {
     return;
   }
   dt = rounded(dt);
-  add(s, "--dt %.1g (%.2g steps) would do, by the order of %s", dt, ceil(s->end / dt), c->integrator->plugin->name);
+  describe_order(loop, j, n->order, order, sizeof order);
+  add(s, "--dt %.1g (%.2g steps) would do if %s", dt, ceil(s->end / dt), order);
 }
 
 double hk_finest_tolerance(const hk_integrator *method) {
@@ -103,7 +119,7 @@ void hk_remedy_describe(hk_loop *loop, const hk_judgement *j, hk_summary *s) {
   if (loop->method->flags & HK_ADAPTIVE)
     describe_tolerance(loop, j, &n, s);
   else
-    describe_step(loop, &n, s);
+    describe_step(loop, j, &n, s);
   const char *label = hk_stiffest_force(loop, &w);
   if (label) add(s, "the fastest swings, of %.2g s, are those of '%s'", 2 * acos(-1) / w, label);
 }

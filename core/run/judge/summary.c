@@ -226,6 +226,7 @@ void hk_summary_measure(hk_loop *loop, hk_judgement *j, const hk_asked *asked, h
   wall_times(loop, asked, s);
   energies(loop, s);
   s->kinetic_rounding = kinetic_rounding(loop);
+  s->damps_below = hk_damps_below(loop);
   accuracy_figures(loop, j, asked, s);
   contact_figures(loop->record, s);
   comparison_figures(&j->comparisons, s);

@@ -9,34 +9,47 @@ double hk_energy_rounding(const hk_summary *s) {
   return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max) + s->kinetic_rounding;
 }
 
-static void find(hk_opinion *o, hk_fault fault, double value, double excess, int order) {
+static void find(hk_opinion *o, hk_fault fault, double value, double excess, double order) {
   if (o->count < HK_FAULTS) o->finding[o->count++] = (hk_finding){fault, value, excess, order};
 }
 
 /* A value above what is allowed; the step cures it by the order. */
-static void find_above(hk_opinion *o, hk_fault fault, double value, double allowed, int order) {
+static void find_above(hk_opinion *o, hk_fault fault, double value, double allowed, double order) {
   if (value > allowed) find(o, fault, value, value / allowed, order);
 }
 
 bool hk_confirmed(const hk_comparisons *c) { return c->reference && c->error <= 1; }
 
+bool hk_damps_as_chosen(const hk_summary *s) { return s->damps_below > 0 && s->accuracies == 0 && s->energy_drift < 0; }
+
+/* J, energy that came or went without a cause. What known errors of forces may have done is no fault of the steps. */
+static double drift_of(const hk_summary *s) { return fabs(s->energy_drift) * s->kinetic_max - s->force_work; }
+
+static double excess_of_largest(const hk_summary *s) { return drift_of(s) / (hk_limit.visible * s->kinetic_max); }
+
+static double excess_of_mean(const hk_summary *s) {
+  return drift_of(s) / (hk_limit.mean_energy * (s->kinetic_mean + fabs(s->energy_work)));
+}
+
+bool hk_damps_visibly(const hk_summary *s) {
+  return hk_damps_as_chosen(s) && fmax(excess_of_largest(s), excess_of_mean(s)) > 1;
+}
+
 /* ---- energy ---- */
 
 /* Energy that came or went without a cause. It is compared with the kinetic energy that is known to have been there:
  * the largest, and the mean over the frames, which one moment of high speed does not raise; work that was done counts
- * with the latter, since what was dissipated moved before. What known errors of forces may have done is no fault of the
- * steps. What grows by a factor in every step is small in its logarithm. */
+ * with the latter, since what was dissipated moved before. What grows by a factor in every step is small in its
+ * logarithm. */
 static void judge_energy(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
   const hk_summary *s = e->figures;
-  double drift = fabs(s->energy_drift) * s->kinetic_max - s->force_work,
-         of_largest = drift / (hk_limit.visible * s->kinetic_max),
-         of_mean = drift / (hk_limit.mean_energy * (s->kinetic_mean + fabs(s->energy_work))),
+  double drift = drift_of(s), of_largest = excess_of_largest(s), of_mean = excess_of_mean(s),
          excess = fmax(of_largest, of_mean);
   if (!isfinite(s->energy_last) || !isfinite(s->kinetic_max)) {
     find(o, HK_ENERGY_NOT_FINITE, s->energy_last, NAN, 0);
     return;
   }
-  if (c->energy_converges || !(drift > hk_energy_rounding(s))) return;
+  if (c->energy_converges || !(drift > hk_energy_rounding(s)) || hk_damps_as_chosen(s)) return;
   if (s->energy_drift > 0) excess = fmin(excess, fmax(1.01, log1p(s->energy_drift) / hk_limit.visible));
   if (of_largest > 1)
     find(o, HK_ENERGY_OF_LARGEST, drift, excess, e->order);
@@ -90,7 +103,8 @@ static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_
     return;
   }
   if (c->tried && isnan(c->error) && s->accuracies > 0) find(o, HK_NOT_CHECKED, NAN, NAN, 0);
-  if (c->tried) find_above(o, HK_ERROR, c->error, 1, e->order);
+  double order = c->order > 0 ? fmin(c->order, e->order) : e->abrupt ? 1 : e->order;
+  if (c->tried) find_above(o, HK_ERROR, c->error, 1, order);
   find_above(o, HK_DAMPED, c->damped, s->accuracy, e->order);
   if (!c->tried && c->sampling.varies && c->sampling.where) find(o, HK_PULSE, c->sampling.shortest, NAN, 0);
 }

@@ -6,10 +6,11 @@
 #include <string.h>
 
 static const double margin = 2, no_order = 0.75, /* the ratio of two distances above which no order is seen */
-    order_part = 0.125, /* of the run that the quarter of the step is taken for: half the run's cost */
-    seen = 1e-4,        /* of the accuracy: a distance that shows an order */
-    stricter = 1e-3,    /* the tolerance of a second reference, relative to the first */
-    reserve = 0.98;     /* what an estimate leaves of the accuracy, for its own error */
+    order_part = 0.125,     /* of the run that the quarter of the step is taken for: half the run's cost */
+    beginning_part = 0.125, /* of the run, for a reference that cannot be had for all of it */
+    seen = 1e-4,            /* of the accuracy: a distance that shows an order */
+    stricter = 1e-3,        /* the tolerance of a second reference, relative to the first */
+    reserve = 0.98;         /* what an estimate leaves of the accuracy, for its own error */
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -130,6 +131,11 @@ hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
   return status;
 }
 
+/* How fast the error falls from the step to half of it. */
+static double order_of(const hk_comparison *c, double error, double error_of_half) {
+  return c->compared && error > 0 && error_of_half > 0 ? log(error / error_of_half) / -log(c->half.step) : NAN;
+}
+
 /* A reference that has passed by a force of short range is none. */
 static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
   measure_by(c, &reference->trajectory, reference->reach);
@@ -139,18 +145,26 @@ static void use_reference(hk_comparison *c, const hk_comparison_run *reference) 
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
+  if (c->compared) {
+    hk_distance half = distance(c, &c->half, reference, INFINITY);
+    c->order = order_of(c, relative(c, &d), relative(c, &half));
+  }
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
            reference->method, reference->tol, reference->perturbation);
 }
 
 /* Functions that vibrate limit the steps. */
-static void take_reference(hk_comparison *c, hk_reference want) {
-  hk_comparison_run reference;
+static bool run_reference(const hk_comparison *c, hk_reference want, hk_comparison_run *reference) {
   if (vibrates(c)) want.dt_most = fmin(want.dt_most, c->sampling.shortest / pulse_lengths);
   hk_run_options o = *c->first;
   o.cut = c->cut;
   o.cuts = c->cuts;
-  if (!hk_reference_take(c->loader, &o, c->whole, &want, &reference)) return;
+  return hk_reference_take(c->loader, &o, c->whole, &want, reference);
+}
+
+static void take_reference(hk_comparison *c, hk_reference want) {
+  hk_comparison_run reference;
+  if (!run_reference(c, want, &reference)) return;
   use_reference(c, &reference);
   hk_trajectory_free(&reference.trajectory);
 }
@@ -170,7 +184,7 @@ static double frequency(const hk_comparison *c) {
 }
 
 void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
-  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse});
+  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse, 0});
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
@@ -182,10 +196,14 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
 
 /* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
  * grow. The second has steps no longer than the run's. */
-void hk_comparison_tie_break(hk_comparison *c) {
+void hk_comparison_tie_break(hk_comparison *c, hk_effort effort) {
   if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(
-        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false});
+    take_reference(c,
+                   (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, effort, false, 0});
+}
+
+void hk_comparison_sharpen(hk_comparison *c, hk_effort effort) {
+  take_reference(c, (hk_reference){strictest(c) * stricter, INFINITY, frequency(c), effort, false, 0});
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
@@ -197,6 +215,28 @@ void hk_comparison_use_half(hk_comparison *c) {
   snprintf(c->how, sizeof c->how, "compared with half the step and a start off by 1e-14 of the extent");
 }
 
+/* A beginning that agrees proves nothing of what follows: the error is then that by half the step. */
+void hk_comparison_use_beginning(hk_comparison *c, hk_effort effort) {
+  hk_comparison_run reference;
+  hk_reference want = {strictest(c), INFINITY, frequency(c), effort, true, beginning_part};
+  double decay = c->half.damping * c->whole->state.t / 2; /* of the scene's own swings, by the end, at most */
+  if ((c->whole->asked.at_end && !(decay < log(2))) || !run_reference(c, want, &reference)) return;
+  double until = hk_trajectory_time(&reference.trajectory, 1);
+  const hk_trajectory *own = &c->whole->judgement.trajectory;
+  hk_distance d = hk_trajectory_distance(own, &reference.trajectory, c->whole->scene, c->channel, 0, until);
+  double error = relative(c, &d) / reference.reserve;
+  if (error > 1 && error > c->error && !(reference.missed > c->accuracy)) {
+    c->has_reference = true;
+    c->worst = d;
+    c->error = error;
+    c->position = d.position;
+    snprintf(c->how, sizeof c->how,
+             "compared up to t = %.3g s with %s at a tolerance of %.1g: the steps lose what half of them lose, too",
+             until, reference.method, reference.tol);
+  }
+  hk_trajectory_free(&reference.trajectory);
+}
+
 /* The order is that of the first part of the run, where a quarter of the step is affordable; the distance is that of
  * the whole run. */
 bool hk_comparison_use_order(hk_comparison *c) {
@@ -205,13 +245,16 @@ bool hk_comparison_use_order(hk_comparison *c) {
   hk_run_options o = refined(c, 2);
   double until = begin_of(c) > 0 ? c->whole->state.t : hk_trajectory_time(&c->whole->judgement.trajectory, order_part),
          ratio = NAN;
-  if (c->sampling.varies) return false; /* half the step is another part then */
+  /* half the step is another part then; and the order of the first part may not be that of the rest */
+  if (c->sampling.varies || hk_is_abrupt(&c->whole->loop)) return false;
   if (hk_comparison_run_take(c->loader, &o, c->whole, until, &quarter, &error) == HK_OK) {
     hk_distance first = distance(c, NULL, &c->half, until), second = distance(c, &c->half, &quarter, until);
     if (relative(c, &first) > seen) ratio = relative(c, &second) / relative(c, &first);
   }
   hk_trajectory_free(&quarter.trajectory);
   if (!(ratio < no_order)) return false;
+  c->order = order_of(c, 1, ratio);
+  ratio = fmax(ratio, pow(c->half.step, c->whole->loop.method->order)); /* no smaller than that of the method */
   c->error /= margin * (1 - ratio) * reserve;
   c->position /= margin * (1 - ratio);
   snprintf(c->how, sizeof c->how, "compared with a half and a quarter of the step");

@@ -23,6 +23,7 @@ typedef struct hk_comparison {
   bool has_reference; /* the error is that to a reference */
   double error;       /* relative; NAN: not known */
   double position;    /* m */
+  double order;       /* see hk_comparisons */
   hk_distance worst;  /* the distance it is from */
   char how[160];
 } hk_comparison;
@@ -38,8 +39,14 @@ void hk_comparison_use_half(hk_comparison *);                        /* the erro
 bool hk_comparison_use_order(hk_comparison *);
 /* The error by an independent method, where that is worth it; `coarse`: with less confidence, if need be. */
 void hk_comparison_reference(hk_comparison *, hk_effort, bool coarse);
+/* The error by an independent method over the first frames, where it is above what half the step shows: for swings that
+ * both lose (hk_comparison_may_lose_swings), where no reference is affordable to the end. Where the accuracy holds
+ * at the end only, what the scene's own damping would end until then is not counted. */
+void hk_comparison_use_beginning(hk_comparison *, hk_effort);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
-void hk_comparison_tie_break(hk_comparison *);
+void hk_comparison_tie_break(hk_comparison *, hk_effort);
+/* The error by a stricter reference in its place, where the effort allows one: it may be the one that is wrong. */
+void hk_comparison_sharpen(hk_comparison *, hk_effort);
 /* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
  */
 bool hk_comparison_agrees(const hk_comparison *, double times);
@@ -52,5 +59,7 @@ bool hk_comparison_energy_converges(const hk_comparison *);
 double hk_comparison_damped_energy(const hk_comparison *);
 /* Whether the method may have damped swings that it does not resolve. */
 bool hk_comparison_damped_modes(const hk_comparison *);
+/* Whether half the step, too, halves the amplitude of the fastest swings by the end of the run. */
+bool hk_comparison_may_lose_swings(const hk_comparison *);
 
 #endif

@@ -76,6 +76,7 @@ static void note_spectrum(hk_comparison_run *found, const hk_spectrum *s) {
   found->swings = s->w_reached;
   found->fastest = s->w_max;
   found->damped = hk_spectrum_floor(s, s->w_max);
+  found->damping = s->g_max;
 }
 
 hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_options *options, const hk_run *whole,
@@ -94,14 +95,17 @@ hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_opt
     note_spectrum(found, &again->step->spectrum);
     found->energy_defect = hk_energy_defect(&summary);
     found->kinetic = summary.kinetic_max;
-    found->reach = again->record.reach;
     found->step = summary.dt_max / whole->record.dt_max;
+  }
+  if (again) {
+    found->steps = again->record.steps + again->record.rejected;
+    found->reach = again->record.reach;
     found->missed = hk_missed_encounters_error(&again->loop);
     found->tol = again->dynamics.system.tol;
     found->trajectory = again->judgement.trajectory;
     again->judgement.trajectory = (hk_trajectory){0};
+    hk_run_close(again, error);
   }
-  if (again) hk_run_close(again, error);
   loader->close(loader->context, again);
   return status;
 }

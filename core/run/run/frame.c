@@ -37,6 +37,16 @@ static hk_status survey(hk_run *run) {
                       run->state.t);
 }
 
+/* Steps of a run that will not reach its end are better not taken. */
+static hk_status keep_pace(const hk_run *run, hk_error *error) {
+  static const double first_part = 0.125, times = 3;
+  double limit = (double)run->options.step_limit, steps = (double)(run->record.steps + run->record.rejected);
+  if (!run->options.gives_up || !(steps > first_part * limit)) return HK_OK;
+  if (steps * hk_run_end(run) <= times * limit * run->state.t) return HK_OK;
+  return hk_error_set(error, HK_INTERRUPTED, "given up at t = %g s: %g steps will not reach the end", run->state.t,
+                      limit);
+}
+
 hk_status hk_run_frame(void *context) {
   hk_run *run = context;
   const hk_function *on_frame = &run->scene->on_frame;
@@ -49,6 +59,7 @@ hk_status hk_run_frame(void *context) {
   for (size_t k = 0; k < run->outputs_open && status == HK_OK; k++)
     status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k], &frame);
   if (status == HK_OK) status = hk_measures_write(run->measures, t, &run->judgement.last_frame, &run->error);
+  if (status == HK_OK) status = keep_pace(run, &run->error);
   run->loop.record->step_error = 0;
   if (run->options.kept) run->options.kept(run->options.kept_context, &run->judgement.last_good, &run->state);
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);

@@ -9,6 +9,7 @@
 #include "core/run/run/run.h"
 
 #include <float.h>
+#include <string.h>
 
 enum { LEAST_ORDER = 4 };
 
@@ -20,11 +21,14 @@ static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0
                     implicit_stage = 8;
 
 /* What a reference may cost: a share of the run's evaluations, and `free` evaluations of a scene of a few particles;
- * one of 16 particles costs about twice as much as one of none. */
+ * one of 16 particles costs about twice as much as one of none. Constraints count in all of one that nobody has asked
+ * for. */
 static const struct budget {
   double share, free, particles;
-} budgets[] = {
-    [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
+} budgets[] = {[HK_EFFORT_LEAST] = {0.2, 1e5, 16},
+               [HK_EFFORT_SMALL] = {0.4, 6e4, 16},
+               [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16},
+               [HK_EFFORT_LARGE] = {4, 6e5, 16}};
 
 /* Parts of the accuracy that a step may be off by: errors of 1e4 steps and more add up. Where that takes too many
  * steps, a coarser reference is better than none, with less confidence. */
@@ -77,13 +81,25 @@ static double step_cost(const hk_run *whole, const hk_integrator *method) {
   return method->stages * implicit_stage + jacobian_cost + factors(whole);
 }
 
+bool hk_reference_affords(const hk_run *whole, double runs, hk_effort effort) {
+  const struct budget *b = &budgets[effort];
+  double most = b->share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
+  return runs * cost(whole) <= most;
+}
+
 /* An implicit method takes more than the share of a run that is implicit itself, so it is for small scenes. */
 static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
   const struct budget *b = &budgets[effort];
   double share = method->flags & HK_IMPLICIT && effort != HK_EFFORT_LARGE ? 0 : b->share;
-  double free_cost = method->flags & HK_IMPLICIT ? step_cost(whole, method) : evaluations_of(method);
+  bool whole_steps = method->flags & HK_IMPLICIT || effort == HK_EFFORT_LEAST;
+  double free_cost = whole_steps ? step_cost(whole, method) : evaluations_of(method);
   return share * cost(whole) / step_cost(whole, method) +
          b->free / (1 + (double)whole->state.model.n / b->particles) / free_cost;
+}
+
+/* The part of the run's frames that a reference has to reach to be one. */
+static double least_part(const hk_run *whole, const hk_reference *want) {
+  return want->beginning > 0 ? 1 / (double)whole->record.frames : 1;
 }
 
 /* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
@@ -93,7 +109,7 @@ static double least_steps(const hk_run *whole, const hk_reference *want, const h
   bool iterates = hk_integrator_tables_of(method)->adaptive.evaluations > 0;
   double limit = iterates ? iteration_limit : method->stages;
   double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / limit;
-  return fmax((double)whole->record.frames, stable);
+  return least_part(whole, want) * fmax((double)whole->record.frames, stable);
 }
 
 /* What is looked for, and with what confidence. */
@@ -104,6 +120,7 @@ typedef struct search {
   const hk_reference *want;
   const struct strictness *strict;
   hk_comparison_run *found;
+  double left;    /* the part of what it may cost that failed attempts have left */
   hk_error error; /* of the last run that was tried */
 } search;
 
@@ -115,6 +132,12 @@ static double tolerance(const search *s, const struct strictness *strict) {
   return fmin(least_of_own(s->whole), fmin(coarsest, s->want->relative * strict->part));
 }
 
+/* s. Where frames end the steps, a smaller tolerance changes none of them: the method of the run would repeat it. */
+static double longest(const hk_run *whole, const hk_plugin *plugin) {
+  bool same = strcmp(plugin->name, whole->loop.integrator->plugin->name) == 0;
+  return same ? whole->record.dt_max / 2 : INFINITY;
+}
+
 /* The reference that reaches rounding starts where the run does, up to rounding, so that its distance is the error. */
 static hk_run_options options_of(const search *s, const hk_plugin *plugin) {
   hk_run_options o = hk_comparison_run_options(s->first, 2);
@@ -124,8 +147,14 @@ static hk_run_options options_of(const search *s, const hk_plugin *plugin) {
   o.dt = INFINITY;
   o.tol = fmax(tolerance(s, s->strict), finest);
   o.refine = 0;
-  o.dt_most = isfinite(s->want->dt_most) ? s->want->dt_most : 0;
+  double most = fmin(s->want->dt_most, longest(s->whole, plugin));
+  o.dt_most = isfinite(most) ? most : 0;
   return o;
+}
+
+/* Whether the frames of a beginning are there when its steps are used up. */
+static bool is_beginning(const search *s) {
+  return s->want->beginning > 0 && s->error.status == HK_INTERRUPTED && s->found->trajectory.moments > 1;
 }
 
 static bool attempt(search *s, wish w) {
@@ -134,14 +163,18 @@ static bool attempt(search *s, wish w) {
   s->error = (hk_error){0};
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &s->error) != HK_OK) return false;
   hk_run_options o = options_of(s, plugin);
-  double steps = allowed_steps(whole, s->want->effort, plugin->integrator);
+  double steps = s->left * allowed_steps(whole, s->want->effort, plugin->integrator);
   if (o.tol > least_of_own(whole) || !(steps >= least_steps(whole, s->want, plugin->integrator))) return false;
   o.step_limit = (size_t)steps;
-  bool reached = hk_comparison_run_take(s->loader, &o, whole, whole->state.t, s->found, &s->error) == HK_OK;
+  o.gives_up = !(s->want->beginning > 0);
+  double until =
+      s->want->beginning > 0 ? hk_trajectory_time(&whole->judgement.trajectory, s->want->beginning) : whole->state.t;
+  bool reached = hk_comparison_run_take(s->loader, &o, whole, until, s->found, &s->error) == HK_OK || is_beginning(s);
   s->found->method = plugin->name;
   s->found->perturbation = o.perturb;
   s->found->reserve = s->strict->reserve;
   if (!reached) hk_trajectory_free(&s->found->trajectory);
+  s->left *= 1 - fmin(1, (double)s->found->steps / steps);
   if (s->error.status == HK_NO_MEMORY)
     hk_warn(whole->loop.warnings, "no memory for a run with %s, with which this one would be compared: %s",
             plugin->name, s->error.text);
@@ -180,7 +213,7 @@ static bool emits_before_steps(const hk_run *whole) {
 
 bool hk_reference_take(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
                        const hk_reference *want, hk_comparison_run *found) {
-  search s = {loader, first, whole, want, strictnesses, found, {0}};
+  search s = {loader, first, whole, want, strictnesses, found, 1, {0}};
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
   if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {

@@ -18,6 +18,7 @@ typedef struct hk_run_options {
   /* Keep the positions at the frames, so that hk_verify can compare them with other runs: HK_COMPARE_... */
   int compare;
   size_t step_limit; /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */
+  bool gives_up;     /* it also ends so where an eighth of them has shown that three times as many would be needed */
   double perturb; /* largest random offset of the start positions in each direction, relative to the scene's extent */
   uint64_t perturb_seed;
   size_t refine;  /* r > 0: 2rn + 1 steps replace n steps between two cuts, so no step of this run ends when one of the
@@ -178,13 +179,15 @@ typedef struct hk_comparison_run {
   double reach;           /* m, see hk_record */
   double energy_defect;   /* J, energy that is missing or too much, see hk_energy_defect */
   double kinetic;         /* J, the largest */
+  size_t steps;           /* that it took or took back, also where it failed */
   double step;            /* longest step relative to that of the first run */
   double missed;          /* m, what its own steps may have missed of encounters */
   double swings, fastest; /* 1/s: a frequency that its scene has, and one above which it has none */
-  double damped;          /* 1/s, at least so much is that one damped */
+  double damped, damping; /* 1/s: that one is damped by so much at least, and none by more than the latter */
 } hk_comparison_run;
 
-/* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure. */
+/* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure, when it has
+ * the frames up to there. */
 hk_status hk_comparison_run_take(const hk_scene_loader *, const hk_run_options *, const hk_run *whole, double until,
                                  hk_comparison_run *, hk_error *error);
 double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess is positive */
@@ -195,6 +198,7 @@ hk_run_options hk_comparison_run_options(const hk_run_options *first, uint64_t s
 /* ---- reference.c: a run with an independent method, an adaptive one of high order ---- */
 
 typedef enum hk_effort {
+  HK_EFFORT_LEAST,  /* a fifth of the run's own cost, or some hundredths of a second: nobody has asked for it */
   HK_EFFORT_SMALL,  /* less than half the run's own cost, or some hundredths of a second */
   HK_EFFORT_MEDIUM, /* the same, or some tenths of a second */
   HK_EFFORT_LARGE   /* several times the run's cost; where a cheaper check leaves doubts */
@@ -206,12 +210,19 @@ typedef struct hk_reference {
   double frequency; /* 1/s, the largest of the scene, where it is known; 0 */
   hk_effort effort;
   bool coarse; /* a coarser reference will do where a strict one takes too many steps */
+  /* 0: the whole run. Otherwise this part of its frames, or fewer, at least one beyond the start, where the steps that
+   * it may take are used up. */
+  double beginning;
 } hk_reference;
 
-/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end. False: it would
+/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end, or over the
+ * beginning that was wanted. False: it would
  * take more than the effort, or the scene is not to be integrated by a method that chooses its steps. */
 bool hk_reference_take(const hk_scene_loader *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_comparison_run *);
+
+/* Whether so many runs like `whole` cost no more than a reference may (counted in evaluations, never by a clock). */
+bool hk_reference_affords(const hk_run *whole, double runs, hk_effort);
 
 /* ---- unused_options.c ---- */
 

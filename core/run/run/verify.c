@@ -10,6 +10,12 @@
  *    D / (1 - ratio) of the two distances there (Richardson). Where figures of the run contradict a small D, the
  *    reference is tried at a higher cost.
  *
+ *    Where half the step damps fast swings as well, a reference goes as far as its steps reach: those of the start are
+ *    then seen to be lost.
+ *
+ * Where no accuracy is asked for there is 2. alone, for a fifth of the run's cost; if it disagrees, once more with a
+ * smaller tolerance. 3. is for tiny scenes, whose figures speak against them.
+ *
  * All are compared at all frames (hk_trajectory), or at the end where the scene says so. The other runs end steps where
  * a function of time changes fast (judge/under_sampled.c), so that they do not step over what the run stepped over. */
 #include "core/run/run/comparison.h"
@@ -35,6 +41,7 @@ static bool judge(hk_comparison *c) {
   found->reference = c->has_reference;
   found->error = c->error;
   found->position = c->position;
+  found->order = c->order;
   found->at = c->worst.t;
   found->channel = channel ? channel->name : NULL;
   found->channel_accuracy = channel && channel->accuracy > 0 ? channel->accuracy : 0;
@@ -49,11 +56,13 @@ static bool judge(hk_comparison *c) {
 /* Where an accuracy was asked for. */
 static void judge_accuracy(hk_comparison *c) {
   bool known = true, possible = hk_comparison_agrees(c, 1);
-  hk_comparison_reference(c, possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL, possible);
-  hk_comparison_tie_break(c);
+  hk_effort effort = possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL;
+  hk_comparison_reference(c, effort, possible);
+  hk_comparison_tie_break(c, HK_EFFORT_LARGE);
   if (!c->has_reference) {
     hk_comparison_use_half(c);
     known = c->error <= 1 || !possible || hk_comparison_use_order(c);
+    if (c->error <= 1 && hk_comparison_may_lose_swings(c)) hk_comparison_use_beginning(c, effort);
   }
   bool fine = judge(c);
   if (fine || c->has_reference || (known && c->error > 1)) return;
@@ -67,22 +76,40 @@ static void judge_without_half(hk_comparison *c) {
   judge(c);
 }
 
-/* Where none was: half the step is taken where it could defend the run. */
-static void judge_motion(hk_comparison *c) {
+/* Half the step, which costs two runs: where it could defend the run, and costs no more than a reference may. */
+static bool take_half_in_defence(hk_comparison *c) {
   hk_error error = {0};
-  hk_comparison_reference(c, HK_EFFORT_SMALL, true);
-  if (!c->has_reference) { /* what functions of time do between evaluations counts */
-    hk_judge(&c->whole->loop, &c->whole->judgement, &c->whole->asked);
+  if (!c->compared && hk_reference_affords(c->whole, 2, HK_EFFORT_LEAST)) hk_comparison_take_half(c, &error);
+  return c->compared;
+}
+
+/* What functions of time do between evaluations counts; energies that are not balanced may be a few large numbers of
+ * steps that damp, while the positions are right. */
+static void judge_without_reference(hk_comparison *c) {
+  hk_run *run = c->whole;
+  hk_judge(&run->loop, &run->judgement, &run->asked);
+  if (run->judgement.verdict != HK_INACCURATE || !take_half_in_defence(c)) return;
+  hk_comparison_use_half(c);
+  if (c->error > 1 && hk_comparison_agrees(c, 1)) hk_comparison_use_order(c);
+  if (c->error <= 1) judge(c);
+}
+
+/* Where none was. */
+static void judge_motion(hk_comparison *c) {
+  hk_comparison_reference(c, HK_EFFORT_LEAST, true);
+  if (!c->has_reference) {
+    judge_without_reference(c);
     return;
   }
-  if (c->error > 1 && !c->compared) hk_comparison_take_half(c, &error);
-  if (c->compared) hk_comparison_tie_break(c);
+  if (c->error > 1) hk_comparison_sharpen(c, HK_EFFORT_LEAST);
+  if (c->error > 1 && take_half_in_defence(c)) hk_comparison_tie_break(c, HK_EFFORT_SMALL);
   judge(c);
 }
 
 hk_status hk_verify(const hk_scene_loader *loader, const hk_run_options *first, bool half, hk_run *whole, hk_summary *s,
                     hk_error *error) {
-  hk_comparison c = {.loader = loader, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN};
+  hk_comparison c = {
+      .loader = loader, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN, .order = NAN};
   hk_comparisons *found = &whole->judgement.comparisons;
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE, asked = s->accuracies > 0;
   double begin = hk_clock();

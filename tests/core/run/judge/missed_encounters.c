@@ -1,5 +1,5 @@
-/* What core/run/judge/missed_encounters.c promises. A particle flies by a centre at the distance b and the speed v, so fast
- * that its path stays straight: F = -GM r/s^3, s^2 = r^2 + softening^2, changes its velocity by 2 GM b/(v (b^2 +
+/* What core/run/judge/missed_encounters.c promises. A particle flies by a centre at the distance b and the speed v, so
+ * fast that its path stays straight: F = -GM r/s^3, s^2 = r^2 + softening^2, changes its velocity by 2 GM b/(v (b^2 +
  * softening^2)) (impulse approximation), towards the centre. GM = 1, v = 100, b = 0.01: 2 m/s, of the speed a 50th. */
 #include "tests/support/command.h"
 #include "tests/support/engine.h"

@@ -84,6 +84,23 @@ static void each_figure_above_its_limit_is_one_finding(void **state) {
   has_only(&e, HK_EXACT_VISIBLE, 0.2 / (0.1 + hk_limit.rounding));
 }
 
+/* Energy that such a method takes is no fault unless an accuracy is asked for; energy that comes is one. */
+static void a_method_that_was_chosen_to_damp_may_damp(void **state) {
+  (void)state;
+  evidence e = good();
+  e.figures.damps_below = 0.1, e.figures.energy_drift = -0.2;
+  is_ok(&e);
+  e.figures.energy_drift = -0.09, e.figures.kinetic_mean = 0.1;
+  is_ok(&e);
+  e.comparisons.tried = e.comparisons.reference = true, e.comparisons.error = 4; /* that is measured */
+  has_only(&e, HK_ERROR, 4);
+  e = good(), e.figures.damps_below = 0.1;
+  e.figures.energy_drift = -0.2, e.figures.kinetic_mean = 0.5, e.figures.accuracy = 1, e.figures.accuracies = 1;
+  has_only(&e, HK_ENERGY_OF_LARGEST, 2);
+  e = good(), e.figures.damps_below = 0.1, e.figures.energy_drift = 10;
+  has_only(&e, HK_ENERGY_OF_LARGEST, log1p(10) / 0.1);
+}
+
 static void an_accuracy_is_held_against_every_error(void **state) {
   (void)state;
   evidence e = good();
@@ -126,6 +143,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nothing_found_is_ok),
       cmocka_unit_test(each_figure_above_its_limit_is_one_finding),
+      cmocka_unit_test(a_method_that_was_chosen_to_damp_may_damp),
       cmocka_unit_test(an_accuracy_is_held_against_every_error),
       cmocka_unit_test(a_reference_overrules_what_could_be_inferred_and_no_more),
       cmocka_unit_test(the_same_evidence_is_the_same_verdict),

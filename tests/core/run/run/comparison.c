@@ -59,10 +59,66 @@ static void a_jump_that_two_runs_miss_alike_is_seen(void **state) {
   assert_true(error > 0.028 && error < 0.06); /* the error, and twice that */
 }
 
+/* A mass slides on a plane against Coulomb's friction and a spring: each half swing is one of cosine about mu g/k, and
+ * 2 mu g/k shorter than the last. The error grows faster in the rest of the run than in its first eighth. */
+static void the_order_of_the_beginning_is_not_that_of_impacts(void **state) {
+  (void)state;
+  static const double steps[] = {0.01, 0.002};
+  static const char *const methods[] = {"backward_euler", "symplectic_euler"};
+  test_write("friction.lua", "local k, mu, g, A = 40, 0.05, 9.81, 0.5\n"
+                             "local w, d = math.sqrt(k), mu * g / k\n"
+                             "local scene = hooke.scene { duration = 3, fps = 30 }\n"
+                             "scene:particle { position = { A, 0, 0 }, mass = 1 }\n"
+                             "scene:force('gravity', { g = { 0, 0, -g } })\n"
+                             "scene:force('central', { axis = { 0, 0, 1 }, strength = k, power = 1 })\n"
+                             "scene:corrector('obstacle', { friction = mu })\n"
+                             "scene:exact(function(t)\n"
+                             "  local n = math.floor(t * w / math.pi)\n"
+                             "  local a = A - 2 * d * n\n"
+                             "  return (n % 2 == 0 and 1 or -1) * ((a - d) * math.cos(w * t - n * math.pi) + d), 0, 0\n"
+                             "end)\nreturn scene\n");
+  for (size_t k = 0; k < 4; k++) {
+    char arguments[256];
+    double accuracy = 1e-9;
+    for (int again = 0; again < 2; again++) {
+      snprintf(arguments, sizeof arguments,
+               "run friction.lua --json --no-output --quiet --integrator %s --dt %g --accuracy %.9g", methods[k % 2],
+               steps[k / 2], accuracy);
+      test_hooke(&r, NULL, arguments);
+      accuracy = 1.6 * test_json(r.out, "verify_difference");
+    }
+    double said = test_json(r.out, "error_estimate"), error = test_json(r.out, "exact_error");
+    if (!(said >= error && said < 2 * error)) fail_msg("%s: off by %g m, said %g m", arguments, error, said);
+  }
+}
+
+/* A chain of EA = 10 N sinks and comes to rest before the first frame; steps of 0.2 s sum too much work of its drag,
+ * of 8/s, which the positions do not show. */
+static void work_of_damping_that_is_overcounted_is_no_fault(void **state) {
+  (void)state;
+  test_write("chain.lua", "local n, span, length, g = 64, 1, 1.2, 9.81\n"
+                          "local l, depth = length / n, math.sqrt(length ^ 2 - span ^ 2) / 2\n"
+                          "local scene = hooke.scene { duration = 20, fps = 1, integrator = 'bdf2' }\n"
+                          "local ids, edges = {}, {}\n"
+                          "for k = 0, n do\n"
+                          "  local s = 2 * k / n\n"
+                          "  ids[k] = scene:particle { position = { s / 2, 0, -depth * math.min(s, 2 - s) },\n"
+                          "    mass = l / g }\n"
+                          "  if k > 0 then edges[k] = { ids[k - 1], ids[k] } end\n"
+                          "end\n"
+                          "scene:pin { ids[0], ids[n] }\n"
+                          "scene:force('gravity', { g = { 0, 0, -g } })\n"
+                          "scene:force('drag', { rate = 8 })\n"
+                          "scene:force('springs', { edges = edges, k = 10 / l, rest = l })\nreturn scene\n");
+  assert_true(estimated("chain.lua", "--dt 0.2"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_small_scene_is_compared_unless_that_is_switched_off),
       cmocka_unit_test(a_jump_that_two_runs_miss_alike_is_seen),
+      cmocka_unit_test(the_order_of_the_beginning_is_not_that_of_impacts),
+      cmocka_unit_test(work_of_damping_that_is_overcounted_is_no_fault),
       cmocka_unit_test(a_reference_dearer_than_the_run_is_not_taken),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -110,12 +110,63 @@ static void what_is_back_at_every_frame_has_moved(void **state) {
   run(scene, "--tol 1e-8 --until 402.1238596594935", 0); /* 64 turns */
 }
 
+/* 16 steps in a swing and a frame after each, of methods whose tiles and looks between frames are of 32 steps. */
+static void what_is_back_after_a_few_steps_has_moved(void **state) {
+  (void)state;
+  static const char swing[] = "local P = 2 * math.pi\n"
+                              "local scene = hooke.scene { duration = 100 * P, fps = 1 / P, dt = P / 16 }\n"
+                              "scene:particle { position = { 1, 0, 0 }, velocity = { 0, 1, 0 }, mass = 1 }\n"
+                              "scene:force('central', { strength = 1 })\n"
+                              "scene:exact(function(t) return math.cos(t), math.sin(t), 0 end)\nreturn scene\n";
+  static const char *const methods[] = {"kahan_li8", "blanes_moan", "stoermer8"};
+  for (size_t k = 0; k < 3; k++) {
+    char arguments[64];
+    snprintf(arguments, sizeof arguments, "--integrator %s", methods[k]);
+    run(swing, arguments, 0);
+    assert_null(strstr(r.out, "more than a tenth of the motion"));
+    assert_true(test_json(r.out, "exact_error") < 0.02);
+  }
+}
+
+/* Frames end the steps of dopri5, and a smaller tolerance changes none: run and reference would be the same. */
+static void a_reference_does_not_repeat_the_steps_of_the_run(void **state) {
+  (void)state;
+  static const char slow[] = "local scene = hooke.scene { duration = 2, fps = 60, integrator = 'dopri5' }\n"
+                             "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
+                             "scene:force('central', { strength = 4 })\n"
+                             "scene:exact(function(t) return math.cos(2 * t), 0, 0 end)\nreturn scene\n";
+  static const char *const accuracies[] = {"", "--accuracy 1e-3"};
+  for (size_t k = 0; k < 2; k++) {
+    run(slow, accuracies[k], 0);
+    double error = test_json(r.out, "exact_error"), said = test_json(r.out, "error_estimate");
+    if (!(said > 0.8 * error && said < 2 * error)) fail_msg("off by %g m, said %g m", error, said);
+  }
+}
+
+/* A planet of an eccentricity of 0.9 for 60 turns: errors of 1e-6 in a step are decimetres in the end, so that the
+ * first reference is worse than the run, which the second, at a smaller tolerance, confirms. */
+static void a_reference_that_is_worse_than_the_run_is_replaced(void **state) {
+  (void)state;
+  static const char planet[] =
+      "local P = 2 * math.pi\n"
+      "local scene = hooke.scene { duration = 60 * P, fps = 1 / P, integrator = 'rk4', dt = P / 3000 }\n"
+      "scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+      "scene:particle { position = { 0.1, 0, 0 }, velocity = { 0, math.sqrt(19), 0 }, mass = 1e-12 }\n"
+      "scene:force('nbody', { G = 1 })\nreturn scene\n";
+  run(planet, "", 0);
+  print_message("said %.3g m\n", test_json(r.out, "error_estimate"));
+  assert_true(test_json(r.out, "error_estimate") < 0.2);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_estimate_of_chaotic_motion_is_the_error),
       cmocka_unit_test(an_accurate_run_is_seen_to_be_accurate),
       cmocka_unit_test(there_is_none_for_the_best_run),
       cmocka_unit_test(what_is_back_at_every_frame_has_moved),
+      cmocka_unit_test(what_is_back_after_a_few_steps_has_moved),
+      cmocka_unit_test(a_reference_does_not_repeat_the_steps_of_the_run),
+      cmocka_unit_test(a_reference_that_is_worse_than_the_run_is_replaced),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

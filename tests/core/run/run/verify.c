@@ -283,6 +283,44 @@ static void what_both_runs_damp_is_seen_by_the_reference(void **state) {
   assert_true(error > 3e-4); /* of 1 mm between the two, spread over three particles */
 }
 
+/* A particle swings with 1e4 1/s, off its rest by `off`, while a heavy one is braked, whose energy and way hide that.
+ * Steps of 0.9 of the stable limit damp the swings by far before the first frame, and so does half of them; a reference
+ * to the end would take 1e5 steps. */
+static void braked_beside_a_swing(const char *off, const char *options, double damping, int code) {
+  char scene[1024], arguments[80];
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = 10, fps = 30 }\n"
+           "scene:particles { positions = { { 0, 0, 0 }, { 1 + %s, 0, 0 } }, mass = 1 }\n"
+           "scene:particle { position = { 0, 5, 0 }, velocity = { 0, 0, 30 }, mass = 1e4 }\n"
+           "scene:pin { 1 }\n"
+           "scene:force('springs', { edges = { { 1, 2 } }, k = 1e8, rest = 1, damping = %g })\n"
+           "scene:force('drag', { rate = 0.1, only = { 3 } })\nreturn scene\n",
+           off, damping);
+  snprintf(arguments, sizeof arguments, "--accuracy 1e-2 --integrator %s", options);
+  run(scene, arguments, code);
+}
+
+static void what_both_runs_damp_is_seen_at_the_beginning(void **state) {
+  (void)state;
+  static const char *const methods[] = {"rk4", "rk4 --accuracy-at end", "stoermer_wide3", "stoermer_wide4"};
+  for (size_t k = 0; k < 4; k++) {
+    braked_beside_a_swing("0.05", methods[k], 0, 5);
+    double difference = test_json(r.out, "verify_difference"), error = test_json(r.out, "error_estimate");
+    if (!(2 * difference < 1e-2)) fail_msg("%s: half the step is %g m away", methods[k], difference);
+    assert_true(fabs(error / (0.05 / sqrt(3)) - 1) < 0.1); /* of 5 cm, spread over three particles */
+    assert_non_null(strstr(r.out, "lose what half of them lose"));
+  }
+}
+
+/* A spring at its rest, one off by less than the accuracy, and one whose own damping ends its swings at once. */
+static void what_does_not_swing_is_not_lost(void **state) {
+  (void)state;
+  braked_beside_a_swing("0", "rk4", 0, 0);
+  braked_beside_a_swing("0.01", "rk4", 0, 0);
+  braked_beside_a_swing("0.05", "rk4", 2e3, 0);
+  braked_beside_a_swing("0.05", "rk4 --accuracy-at end", 2, 0); /* which has ended by then */
+}
+
 /* ---- hooke.load's options ---- */
 
 static const char pair[] = "local scene = hooke.scene { duration = 0.1, fps = 100, dt = 0.01 }\n"
@@ -431,6 +469,8 @@ int main(void) {
       cmocka_unit_test(ok_says_what_was_checked),
       cmocka_unit_test(a_scene_at_rest_has_its_energy_balanced),
       cmocka_unit_test(what_both_runs_damp_is_seen_by_the_reference),
+      cmocka_unit_test(what_both_runs_damp_is_seen_at_the_beginning),
+      cmocka_unit_test(what_does_not_swing_is_not_lost),
       cmocka_unit_test(a_disturbance_moves_free_particles_by_its_size),
       cmocka_unit_test(what_is_left_out_does_not_act),
       cmocka_unit_test(a_limit_of_steps_ends_the_run_there),
