@@ -333,13 +333,14 @@ void hk_constraints_forget(hk_dynamics *d) {
   if (d->constraints) d->constraints->kept = false;
 }
 
-static hk_status shake(hk_dynamics *d, double t, double *from, double h, double *x, double *v, double *work) {
+static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double h, double *x, double *v,
+                       double *work) {
   const hk_system *s = &d->system;
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
   int slowly = 0;
-  hk_status status = begin(d, s->t, from, from + 3 * s->n);
+  hk_status status = begin(d, t0, from, from + 3 * s->n);
   if (status == HK_OK) status = hk_dynamics_impose(d, t, x, v);
   for (int round = 0; round < ROUNDS && status == HK_OK; round++) {
     status = hk_constraint_value(d, t, x, v);
@@ -350,7 +351,7 @@ static hk_status shake(hk_dynamics *d, double t, double *from, double h, double 
       *work += done;
       return check_immovable(d, size);
     }
-    if (met) status = begin_anew(d, s->t, from, t, x, v);
+    if (met) status = begin_anew(d, t0, from, t, x, v);
     slowly = met ? 0 : slowly + (left > tardy * last);
     last = met ? INFINITY : left;
     if (status == HK_OK) status = slowly < PATIENCE ? solve_for(d, c->g) : hk_constraint_matrix_newton(d, t, x, v);
@@ -360,12 +361,17 @@ static hk_status shake(hk_dynamics *d, double t, double *from, double h, double 
   return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
-hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, double *x, double *v, double *work) {
+hk_status hk_constraints_shake_from(hk_system *s, double t_from, double *from, double t, double h, double *x, double *v,
+                                    double *work) {
   hk_dynamics *d = (hk_dynamics *)(void *)s;
   double start = hk_constraint_sampled(d) ? hk_clock() : 0;
-  hk_status status = shake(d, t, from, h, x, v, work);
+  hk_status status = shake(d, t_from, from, t, h, x, v, work);
   hk_constraint_account(d, start, false);
   return status;
+}
+
+hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, double *x, double *v, double *work) {
+  return hk_constraints_shake_from(s, s->t, from, t, h, x, v, work);
 }
 
 static hk_status rattle(hk_dynamics *d, double t, double *x, double h, double *v, double *work) {

@@ -118,6 +118,8 @@ void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vecto
 
 hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
 hk_status hk_constraints_shake(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
+hk_status hk_constraints_shake_from(hk_system *, double t_from, double *from, double t, double h, double *x, double *v,
+                                    double *work);
 hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, double *v, double *work);
 
 /* ---- impact.c ---- */
