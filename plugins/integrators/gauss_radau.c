@@ -37,6 +37,7 @@ static const double guard = 0.43;
 typedef struct gauss_radau {
   int64_t primed;  /* whether `last` is the polynomial of the step before */
   int64_t started; /* whether a step has been taken */
+  int64_t wait;    /* after a jump of a force (step_control.h) */
   double proposal; /* s, proposed length of the next step */
   double last_h;   /* s */
   hk_scales scales;
@@ -50,6 +51,7 @@ typedef struct gauss_radau {
 static const hk_field fields[] = {
     {"primed", .integer = HK_AT(gauss_radau, primed)},
     {"started", .integer = HK_AT(gauss_radau, started)},
+    {"wait", .integer = HK_AT(gauss_radau, wait)},
     {"proposal", .number = HK_AT(gauss_radau, proposal)},
     {"last_h", .number = HK_AT(gauss_radau, last_h)},
     {"speed", .number = HK_AT(gauss_radau, scales.speed)},
@@ -240,6 +242,15 @@ static void accept(gauss_radau *m, hk_system *s, double h, bool lands, bool retr
   *out = (hk_step){h, next, error_of(s, together(r->here))};
 }
 
+/* A step that ends beyond a jump, whose polynomials say nothing of what follows. */
+static hk_status pass_jump(gauss_radau *m, hk_system *s, double h, const ratios *r, hk_step *out) {
+  accept(m, s, h, false, true, r, out);
+  m->primed = 0;
+  m->proposal = h;
+  *out = (hk_step){h, h, NAN};
+  return HK_OK;
+}
+
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   gauss_radau *m = self;
   double span = t_stop - s->t;
@@ -258,14 +269,18 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
       return status;
     if (error <= 1) {
       accept(m, s, h, h >= span, retried, &r, out);
+      hk_jump_passed(&m->wait);
       return HK_OK;
     }
-    h = error < INFINITY ? fmin(next_length(s, h, together(r.here)), safety * h) : least * h;
-    if (!(h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)))
+    double shorter = error < INFINITY ? fmin(next_length(s, h, together(r.here)), safety * h) : least * h;
+    if (!(shorter > hk_shortest_step(s, span))) {
+      if (hk_jump_met(&m->wait, error)) return pass_jump(m, s, h, &r, out);
       return s->host->fail(s->host, HK_NOT_CONVERGED,
                            "no step from t = %.17g s meets the tolerance %g: tried down to %g s, where the error is %g "
                            "times as large; give a larger tol, or look for a force that jumps",
-                           s->t, s->tol, h, error);
+                           s->t, s->tol, shorter, error);
+    }
+    h = shorter;
   }
 }
 

@@ -69,6 +69,7 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     {"primed", .integer = HK_AT(linear_bdf2, start.primed)},
     {"started", .integer = HK_AT(linear_bdf2, start.started)},
+    {"wait", .integer = HK_AT(linear_bdf2, start.wait)},
     {"proposal", .number = HK_AT(linear_bdf2, start.proposal)},
     {"last_error", .number = HK_AT(linear_bdf2, start.last_error)},
     {"newton_speed", .number = HK_AT(linear_bdf2, start.newton.speed)},
@@ -300,7 +301,9 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
       return HK_OK;
     }
     h *= error < INFINITY ? fmin(0.9, change_of(error)) : 0.25;
-    if (h < 1e-3 * m->h) return start(m, s, t_stop, h, out); /* what one linearisation does not follow, Newton may */
+    /* what one linearisation does not follow, Newton may; and a jump of a force is passed there */
+    double shortest = hk_shortest_step(s, span);
+    if (h < 1e-3 * m->h || !(h > shortest)) return start(m, s, t_stop, fmax(h, shortest), out);
   }
 }
 
