@@ -141,6 +141,7 @@ double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const d
   size_t v = 3 * s->n;
   double V = fmax(c->speed, hk_rms_free(s, X + v)), A = fmax(c->acceleration, hk_rms_free(s, a));
   double L = extent(X, s->n, V, A);
+  if (!(L > 0)) L = V * h; /* a particle alone that no force has bent from its way */
   double worst =
       larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));
   for (size_t k = 0; k < s->model->channels; k++)
