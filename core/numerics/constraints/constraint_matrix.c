@@ -32,6 +32,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
                     c->implied,   c->touches, c->pushes,   c->allowed, c->held,       c->rests,
                     c->lambda,    c->kept_x,  c->own,      c->J_end,   c->g_start,    c->rate_start};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  hk_releases_close(&c->releases);
   hk_linear_system linear = c->linear, mixed = c->mixed;
   linear.analyzed = mixed.analyzed = false;
   *c = (hk_constraints){.table = c->table,
@@ -123,7 +124,7 @@ static hk_status allocate(hk_dynamics *d) {
   fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->g_start && c->rate_start && c->c &&
           c->rhs && c->solution;
   fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
-  return fine && c->path_used ? HK_OK : no_memory(d);
+  return fine && c->path_used ? hk_releases_open(d) : no_memory(d);
 }
 
 static void find_one_sided(hk_dynamics *d) {

@@ -212,6 +212,7 @@ static hk_status project(hk_dynamics *d, double t, double *x, double *v) {
   memcpy(c->allowed, c->one_sided, c->equations * sizeof *c->allowed);
   hk_status status = project_positions(d, t, x, v, &factorized);
   hold_pushing(c);
+  if (c->one_sided_count) hk_release_end(c);
   memset(c->pushes, 0, c->equations * sizeof *c->pushes);
   return status == HK_OK ? project_velocities(d, t, x, v, factorized) : status;
 }

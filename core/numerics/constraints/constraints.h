@@ -5,6 +5,22 @@
 
 #include "core/numerics/matrix/matrix.h"
 
+/* What is known of one-sided equations that may cease to push within a step (release.c). */
+typedef struct hk_releases {
+  bool *acts;     /* equations: pushes in an evaluation of the step, or did in the last one before it */
+  bool *freed;    /* equations: rests in an evaluation of the step, although it touched at its start */
+  double *before; /* equations: multipliers at the start of the step */
+  double *most;   /* equations: the largest of them so far */
+  double *after;  /* equations: multipliers at the end of the step, of what acts as equalities */
+  double *slope;  /* scratch of an evaluation, shaped as X */
+  bool *rests;    /* equations: that of the constraints while the former are computed, and their scale */
+  double *scale;
+  bool weighing; /* this evaluation is for the multipliers of what acts, as equalities */
+  size_t equation, cuts;
+  double begin, end, left; /* the last step that was cut, for `equation`: its times, s, and the multiplier at its end */
+  double until;            /* s, the end of the longest step of which `cuts` are counted */
+} hk_releases;
+
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
   size_t equations, blocks, terms;
@@ -43,6 +59,7 @@ struct hk_constraints {
                       jumped */
   bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
+  hk_releases releases;
   uint64_t revision; /* of the pattern */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
@@ -128,6 +145,18 @@ void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt
 /* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
  * start; 1: none is before the end. */
 hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);
+
+/* ---- release.c ---- */
+
+hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
+void hk_releases_close(hk_releases *);
+void hk_release_begin(hk_constraints *); /* of a step */
+/* After an evaluation, of the equations that touch; at_start: of the state that the step starts from. */
+void hk_release_note(hk_constraints *, bool at_start);
+void hk_release_end(hk_constraints *);      /* of a step that counts, by its last evaluation */
+hk_status hk_release_solve(hk_dynamics *d); /* c->solution of an evaluation with `weighing`, by c->c */
+/* As hk_constraints_impact, where an equation is released: *part becomes less where that is earlier. */
+hk_status hk_constraints_release(hk_dynamics *, double t, double *x, double *v, double h, double *part);
 
 /* ---- active_set.c ---- */
 

@@ -79,5 +79,5 @@ hk_status hk_constraints_impact(hk_dynamics *d, double t, double *x, double *v, 
     double s = first_root(&q, tolerance);
     if (s < *part) *part = s;
   }
-  return HK_OK;
+  return hk_constraints_release(d, t, x, v, h, part);
 }
