@@ -209,6 +209,8 @@ static hk_status project(hk_dynamics *d, double t, double *x, double *v) {
   hk_constraints *c = d->constraints;
   bool factorized = false;
   hold_pushing(c);
+  for (size_t k = 0; k < c->equations && c->meets; k++) c->held[k] |= c->met[k];
+  c->meets = false;
   memcpy(c->allowed, c->one_sided, c->equations * sizeof *c->allowed);
   hk_status status = project_positions(d, t, x, v, &factorized);
   hold_pushing(c);
@@ -230,7 +232,7 @@ static hk_status project_with_contacts(hk_dynamics *d, double t, double *x, doub
   hk_constraints *c = d->constraints;
   hk_status status = hk_constraint_value(d, t, x, v);
   if (status != HK_OK) return status;
-  bool counts = x == s->X, lifted = counts && sinks(c);
+  bool counts = x == s->X, lifted = counts && (c->meets || sinks(c));
   double kinetic = counts ? hk_state_kinetic(s, x) : 0, potential = lifted ? hk_query_potential(d, t, x) : 0;
   c->jumped = c->struck = false;
   status = project(d, t, x, v);

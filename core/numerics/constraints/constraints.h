@@ -50,14 +50,17 @@ struct hk_constraints {
   bool *pushes;    /* one-sided equations whose multiplier was positive in the last evaluation of this step */
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
-  bool *rests;     /* equations that do not act in the present problem */
-  double soft;     /* the present factors are those of A + soft I */
-  bool dependent;  /* the present problem has linearly dependent equations */
-  bool struck;     /* velocities jumped in the present projection */
-  bool has_speed;  /* some constraint has `speed` */
-  bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
-                      jumped */
-  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
+  bool *met;       /* one-sided equations that are met at met_at, s, where a step was cut; impact.c */
+  double met_at;
+  bool meets;     /* the state to be projected is that of met_at, and those are met with equality */
+  bool *rests;    /* equations that do not act in the present problem */
+  double soft;    /* the present factors are those of A + soft I */
+  bool dependent; /* the present problem has linearly dependent equations */
+  bool struck;    /* velocities jumped in the present projection */
+  bool has_speed; /* some constraint has `speed` */
+  bool jumped;    /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
+                     jumped */
+  bool kept;      /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
   hk_releases releases;
   uint64_t revision; /* of the pattern */
@@ -142,6 +145,8 @@ hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, doub
 /* ---- impact.c ---- */
 
 void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt of the state that a step starts from */
+/* The order of the scene's method; 0: it has none. */
+int hk_constraint_order(const hk_dynamics *);
 /* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
  * start; 1: none is before the end. */
 hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);

@@ -108,10 +108,9 @@ static bool may_cut(hk_releases *r, double end) {
 hk_status hk_constraints_release(hk_dynamics *d, double t, double *x, double *v, double h, double *part) {
   hk_constraints *c = d->constraints;
   hk_releases *r = &c->releases;
-  const hk_instances *methods = &d->plugins->kind[HK_INTEGRATOR];
   bool any = false;
   size_t first = SIZE_MAX;
-  if (methods->count == 0 || methods->item[0]->plugin->integrator->order <= HIGHER) return HK_OK;
+  if (hk_constraint_order(d) <= HIGHER) return HK_OK;
   for (size_t k = 0; k < c->equations && !any; k++) any = may_release(c, k);
   if (!any || !may_cut(r, t)) return HK_OK;
   hk_status status = weigh(d, t, x, v);
