@@ -88,6 +88,7 @@ hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const do
 hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
 hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
 hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
+int hk_constraint_order(const hk_dynamics *);                         /* of the scene's method; 0: it has none */
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
 /* rate = J v + g_t, sum = the sum of the magnitudes of its terms; sum NULL: it is not wanted. */
 void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
@@ -145,16 +146,17 @@ hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, doub
 /* ---- impact.c ---- */
 
 void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt of the state that a step starts from */
-/* The order of the scene's method; 0: it has none. */
-int hk_constraint_order(const hk_dynamics *);
 /* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
  * start; 1: none is before the end. */
 hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);
 
-/* ---- release.c ---- */
+/* ---- release_lists.c ---- */
 
 hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
 void hk_releases_close(hk_releases *);
+
+/* ---- release.c ---- */
+
 void hk_release_begin(hk_constraints *); /* of a step */
 /* After an evaluation, of the equations that touch; at_start: of the state that the step starts from. */
 void hk_release_note(hk_constraints *, bool at_start);

@@ -66,11 +66,6 @@ void hk_constraint_note_start(hk_constraints *c) {
   memcpy(c->rate_start, c->residual, c->equations * sizeof *c->rate_start);
 }
 
-int hk_constraint_order(const hk_dynamics *d) {
-  const hk_instances *methods = &d->plugins->kind[HK_INTEGRATOR];
-  return methods->count ? methods->item[0]->plugin->integrator->order : 0;
-}
-
 /* The root of equation k in the step, in parts of it; 1: it is not looked at, or has none. */
 static double root_of(const hk_constraints *c, size_t k, double h, double tolerance) {
   if (!c->one_sided[k] || c->touches[k] || c->full[k] == 0 || !(c->g_start[k] > 0)) return 1;

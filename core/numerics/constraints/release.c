@@ -11,7 +11,6 @@
 
 #include "core/numerics/constraints/constraints.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { HIGHER = 2, ATTEMPTS = 6 }; /* the order from which on corners count; cuts of one step of the loop, at most */
@@ -19,23 +18,6 @@ enum { HIGHER = 2, ATTEMPTS = 6 }; /* the order from which on corners count; cut
 /* To an end of the step, in parts of it: d above; and the change of a multiplier, in parts of the largest so far, in
  * which its zero does not matter, as the step then is short by as much. */
 static const double close_enough = 1e-10, no_change = 1e-9;
-
-hk_status hk_releases_open(hk_dynamics *d) {
-  hk_releases *r = &d->constraints->releases;
-  size_t m = d->constraints->equations + 1;
-  bool **sets[] = {&r->acts, &r->freed, &r->rests};
-  double **lists[] = {&r->before, &r->most, &r->after, &r->scale, &r->slope};
-  bool fine = true;
-  for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) fine &= (*sets[k] = calloc(m, sizeof **sets[k])) != NULL;
-  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
-    fine &= (*lists[k] = calloc(m + d->state->size, sizeof **lists[k])) != NULL;
-  return fine ? HK_OK : hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
-}
-
-void hk_releases_close(hk_releases *r) {
-  void *lists[] = {r->acts, r->freed, r->rests, r->before, r->most, r->after, r->scale, r->slope};
-  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) free(lists[k]);
-}
 
 void hk_release_begin(hk_constraints *c) { memset(c->releases.freed, 0, c->equations * sizeof *c->releases.freed); }
 

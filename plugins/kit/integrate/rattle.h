@@ -41,7 +41,9 @@ static inline hk_status hk_rattle_step(hk_system *s, double t, double *X, double
   size_t v = 3 * s->n, y = 6 * s->n, rest = s->size - y;
   double work = 0, given = 0;
   hk_rattle_drift(next, next + v, X, X + v, a, v, h);
-  hk_status status = s->constraint->shake_from(s, t, X, t_next, h, next, next + v, &work);
+  /* `shake` is all that hosts of contract 3.0 have. */
+  hk_status status = t == s->t ? s->constraint->shake(s, t_next, X, h, next, next + v, &work)
+                               : s->constraint->shake_from(s, t, X, t_next, h, next, next + v, &work);
   if (status != HK_OK) return status;
   for (size_t e = 0; e < rest; e++) next[y + e] = X[y + e] + h * dy[e];
   for (size_t e = 0; e < v; e++) next[v + e] += next[v + e] - X[v + e]; /* from the middle of the step to its end */
