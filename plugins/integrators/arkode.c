@@ -196,6 +196,11 @@ static int prepare(arkode *m, const hk_system *s, double t_stop, double h, doubl
   return ARK(SetFixedStep)(m->memory, length);
 }
 
+static int evolve(arkode *m, const hk_system *s, double t_stop, double h, double *stop) {
+  int flag = prepare(m, s, t_stop, h, stop);
+  return flag >= 0 ? ARK(Evolve)(m->memory, *stop, m->sundials.X, &m->t, ARK_ONE_STEP) : flag;
+}
+
 /* Called at the first step of a run: decides whether the steps are fixed. */
 static void choose_fixed(arkode *m, double h) {
   m->fixed = h < INFINITY ? h : 0;
@@ -219,8 +224,13 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   }
   m->started = 1;
   m->running = false;
-  int flag = prepare(m, s, t_stop, h, &stop);
-  if (flag >= 0) flag = ARK(Evolve)(m->memory, stop, m->sundials.X, &m->t, ARK_ONE_STEP);
+  int flag = evolve(m, s, t_stop, h, &stop);
+  if (flag ==
+      ARK_ERR_FAILURE) { /* a force may have jumped that found all at rest: the scales are those of what follows */
+    hk_status status = start(m, s, t_stop - s->t, 0);
+    if (status != HK_OK) return status;
+    flag = evolve(m, s, t_stop, h, &stop);
+  }
   if (flag < 0) return hk_sundials_failed(&m->sundials, flag, rates_failed(flag));
   bool lands = m->fixed > 0 || flag == ARK_TSTOP_RETURN;
   double taken = (lands ? stop : m->t) - s->t;

@@ -10,8 +10,16 @@
 #define B1 0.0829844064174052
 #define B2 0.396309801498368
 #define B3 -0.0390563049223486
-static const hk_splitting_method method = {
-    6, {B1, B2, B3, 1 - 2 * (B1 + B2 + B3), B3, B2, B1}, {A1, A2, 0.5 - (A1 + A2), 0.5 - (A1 + A2), A2, A1}};
+/* McLachlan 1995, SIAM J. Sci. Comput. 16, table 2: five leapfrog steps, for constraints, whose free motion is no drift
+ * of one stage; they are stable up to h w = 3.02, the list above to 3.16. Suzuki's five end at 2.72, which is below
+ * nine tenths of the latter, the step that a run chooses. */
+#define G1 0.28
+#define G2 0.62546642846767004501
+static const hk_splitting_method method = {6,
+                                           {B1, B2, B3, 1 - 2 * (B1 + B2 + B3), B3, B2, B1},
+                                           {A1, A2, 0.5 - (A1 + A2), 0.5 - (A1 + A2), A2, A1},
+                                           5,
+                                           {G1, G2, 1 - 2 * (G1 + G2), G2, G1}};
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 4,
@@ -20,7 +28,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .method = &method,
                                          .step = hk_splitting_step,
                                          .reset = hk_splitting_reset,
-                                         .growth = hk_splitting_growth};
+                                         .growth = hk_splitting_growth,
+                                         .facets = hk_splitting_facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

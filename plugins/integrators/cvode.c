@@ -207,6 +207,11 @@ static double error_of(const cvode *m) {
   return hk_sundials_norm(m->error, m->weight);
 }
 
+static int evolve(cvode *m, double stop) {
+  int flag = CVodeSetStopTime(m->memory, stop);
+  return flag >= 0 ? CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP) : flag;
+}
+
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   cvode *m = self;
   double stop = t_stop;
@@ -222,8 +227,13 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   double limit = m->most > 0 ? m->most : m->planned < INFINITY ? INFINITY : h;
   if (t_stop - s->t > limit * (1 + 1e-9)) stop = s->t + limit;
   m->running = false;
-  int flag = CVodeSetStopTime(m->memory, stop);
-  if (flag >= 0) flag = CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP);
+  int flag = evolve(m, stop);
+  if (flag ==
+      CV_ERR_FAILURE) { /* a force may have jumped that found all at rest: the scales are those of what follows */
+    hk_status status = start(m, s, t_stop - s->t);
+    if (status != HK_OK) return status;
+    flag = evolve(m, stop);
+  }
   if (flag < 0) return hk_sundials_failed(&m->sundials, flag, rates_failed(flag));
   bool lands = flag == CV_TSTOP_RETURN;
   double taken = (lands ? stop : m->t) - s->t;

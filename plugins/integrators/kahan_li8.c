@@ -21,7 +21,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .method = &method,
                                          .step = hk_splitting_step,
                                          .reset = hk_splitting_reset,
-                                         .growth = hk_splitting_growth};
+                                         .growth = hk_splitting_growth,
+                                         .facets = hk_splitting_facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

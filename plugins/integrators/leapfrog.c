@@ -7,14 +7,11 @@
  * velocity is predicted even then, because the power of a force depends on it; at the end h/2 (a' - a) is added to it.
  * The new state is built apart, block by block with the evaluation; X changes only after that has succeeded.
  *
- * With constraints that are all equalities it is RATTLE: with F/m without constraint forces,
- *     v_m = v + h/2 (F/m + W J^T l),  x' = x + h v_m,  g(x') = 0,   J at x,
- *     v' = v_m + h/2 (F'/m + W J'^T l'),  J' v' = 0,                J' at x',
- * still symplectic, reversible and of order 2 (Andersen 1983; Leimkuhler and Skeel 1994). The slope that is kept, a' =
- * 2 (v' - v_m)/h, has the constraint forces in it, so that the next step begins near its end; velocity-dependent forces
- * see 2 v_m - v. */
+ * With constraints that are all equalities it is RATTLE (plugins/kit/integrate/rattle.h), still symplectic, reversible
+ * and of order 2. */
 #include "plugins/kit/integrate/leap.h"
 #include "plugins/kit/integrate/leapfrog_growth.h"
+#include "plugins/kit/integrate/rattle.h"
 
 #include "core/plugin.h"
 
@@ -51,31 +48,6 @@ static void predict_rest(double *restrict next, const double *restrict y, const 
 static void kick_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
                       double h) {
   for (size_t e = 0; e < count; e++) next[e] = 0.5 * (y[e] + next[e]) + h / 2 * dy[e];
-}
-
-/* x_next = x + h v_middle, v_middle = v + h/2 a. */
-static void drift(double *restrict x_next, double *restrict v_middle, const double *restrict x,
-                  const double *restrict v, const double *restrict a, size_t count, double h) {
-  double half = h / 2;
-  for (size_t e = 0; e < count; e++) {
-    v_middle[e] = v[e] + half * a[e];
-    x_next[e] = x[e] + h * v_middle[e];
-  }
-}
-
-/* v = the velocity in the middle of the step is extrapolated to the end. */
-static void extrapolate(double *restrict v, const double *restrict before, size_t count) {
-  for (size_t e = 0; e < count; e++) v[e] += v[e] - before[e];
-}
-
-/* v = the end's velocity, extrapolated, becomes that with the forces at the end; `a` keeps the one in the middle. */
-static void kick_constrained(double *restrict v, const double *restrict before, double *restrict a, size_t count,
-                             double by) {
-  for (size_t e = 0; e < count; e++) {
-    double middle = 0.5 * (before[e] + v[e]);
-    v[e] = middle + by * a[e];
-    a[e] = middle;
-  }
 }
 
 /* The two slopes a, and dy behind them. */
@@ -140,25 +112,11 @@ static hk_status account(void *self, const void *method, hk_system *s, const dou
 
 /* The step in a scene with constraints: RATTLE. */
 static hk_status constrained_step(leapfrog *m, hk_system *s, double t_next, double h) {
-  size_t v = 3 * s->n, y = 6 * s->n, rest = s->size - y;
-  double *X = s->X, *next = s->spare, *a = slope_of(m, s, m->newest), *dy = rates_of(m, s), work = 0, given = 0;
   s->constraint->takes_constraints = false;
   hk_status status = prime(m, s);
+  if (status == HK_OK)
+    status = hk_rattle_step(s, s->t, s->X, t_next, h, s->spare, slope_of(m, s, m->newest), rates_of(m, s));
   if (status != HK_OK) return status;
-  drift(next, next + v, X, X + v, a, v, h);
-  status = s->constraint->shake(s, t_next, X, h, next, next + v, &work);
-  if (status != HK_OK) return status;
-  predict_rest(next + y, X + y, dy, rest, h);
-  extrapolate(next + v, X + v, v);
-  status = s->accelerations(s, t_next, next, next + v, next + y, a, dy);
-  if (status != HK_OK) return status;
-  kick_constrained(next + v, X + v, a, v, h / 2);
-  status = s->constraint->rattle(s, t_next, next, h, next + v, &given);
-  if (status != HK_OK) return status;
-  dy[rest - 1] += 2 / h * given; /* the power of constraint forces, as `a` has the forces */
-  for (size_t e = 0; e < v; e++) a[e] = 2 / h * (next[v + e] - a[e]);
-  kick_rest(next + y, X + y, dy, rest, h);
-  next[s->size - 1] += work;
   s->exchange(s);
   m->primed = 1;
   return HK_OK;

@@ -46,6 +46,7 @@
 enum { PATIENCE = 100 };
 
 static const double safety = 0.9, least = 0.2, most = 2, keep = 1.3, algebraic = 0.02;
+static const double rounding = 16 * DBL_EPSILON; /* of a coordinate: what its differences are off by is no error */
 
 typedef struct linear_bdf2 {
   hk_dirk start; /* first member: the parameters and most fields are its own */
@@ -69,6 +70,7 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     {"primed", .integer = HK_AT(linear_bdf2, start.primed)},
     {"started", .integer = HK_AT(linear_bdf2, start.started)},
+    {"wait", .integer = HK_AT(linear_bdf2, start.wait)},
     {"proposal", .number = HK_AT(linear_bdf2, start.proposal)},
     {"last_error", .number = HK_AT(linear_bdf2, start.last_error)},
     {"newton_speed", .number = HK_AT(linear_bdf2, start.newton.speed)},
@@ -225,7 +227,8 @@ static hk_status estimate(const linear_bdf2 *m, hk_system *s, double h, const tr
   for (size_t e = 0; e < s->size; e++) E[e] = part * (w->X[e] - w->predicted[e]);
   s->filter(s, E);
   for (size_t e = 0; e < v; e++) {
-    E[e] = fabs(E[e]) + w->g * fabs(w->refined[e]);
+    double off = fabs(E[e]) - rounding * fabs(w->X[e]); /* NaN stays */
+    E[e] = (off < 0 ? 0 : off) + w->g * fabs(w->refined[e]);
     E[v + e] = 0;
   }
   hk_channels_solve(&m->start.newton.channels, E + 2 * v, w->dv);
@@ -300,7 +303,9 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
       return HK_OK;
     }
     h *= error < INFINITY ? fmin(0.9, change_of(error)) : 0.25;
-    if (h < 1e-3 * m->h) return start(m, s, t_stop, h, out); /* what one linearisation does not follow, Newton may */
+    /* what one linearisation does not follow, Newton may; and a jump of a force is passed there */
+    double shortest = hk_shortest_step(s, span);
+    if (h < 1e-3 * m->h || !(h > shortest)) return start(m, s, t_stop, fmax(h, shortest), out);
   }
 }
 

@@ -54,8 +54,18 @@ static bool exchange(hk_constraints *c, const double *q, bool all) {
   return any;
 }
 
+static bool some_act(const hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++)
+    if (c->scale[k] > 0) return true;
+  return false;
+}
+
 static hk_status solve_acting(hk_dynamics *d, const double *q, bool factorized) {
   hk_constraints *c = d->constraints;
+  if (!some_act(c)) { /* a slack net has nothing to factorize */
+    memset(c->solution, 0, c->equations * sizeof *c->solution);
+    return HK_OK;
+  }
   hk_status status = factorized ? HK_OK : hk_constraint_matrix_factorize(d);
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -q[k];
   return status == HK_OK ? hk_constraint_matrix_solve(d) : status;

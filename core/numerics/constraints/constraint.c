@@ -150,6 +150,7 @@ hk_status hk_constraints_update(hk_dynamics *d) {
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++)
     status = update_one(d, d->plugins->kind[HK_CONSTRAINT].item[k], &any);
   if (status != HK_OK) return status;
+  hk_release_begin(d->constraints);
   if (!any) return hk_constraint_find_contacts(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
   d->constraints->jumped = true;
   if (d->blocks_changed) d->blocks_changed(d, true);
@@ -197,7 +198,7 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   return status;
 }
 
-static void note_acting(hk_dynamics *d) {
+static void note_acting(hk_dynamics *d, double t) {
   hk_constraints *c = d->constraints;
   size_t acting = 0;
   for (size_t k = 0; k < c->equations; k++) {
@@ -205,6 +206,7 @@ static void note_acting(hk_dynamics *d) {
     c->pushes[k] = c->one_sided[k] && !c->rests[k] && c->solution[k] > 0;
   }
   memcpy(c->lambda, c->solution, c->equations * sizeof *c->lambda);
+  if (c->one_sided_count) hk_release_note(c, t == d->system.t);
   d->constraints->table.equations = acting;
 }
 
@@ -238,10 +240,10 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   if (status != HK_OK) return status;
   for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->touches[k];
   memset(c->held, 0, c->equations * sizeof *c->held);
-  status = hk_active_set_solve(d, c->c, false);
+  status = c->releases.weighing ? hk_release_solve(d) : hk_active_set_solve(d, c->c, false);
   if (status != HK_OK) return status;
   hk_constraint_matrix_move(c, a);
-  note_acting(d);
+  if (!c->releases.weighing) note_acting(d, t);
   *power += hk_constraint_power(d, v);
   return HK_OK;
 }

@@ -11,12 +11,13 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->block_first);
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
-  void *arrays[] = {c->J,         c->WJ,      c->pin,      c->term,    c->value,      c->full,
-                    c->scale,     c->g,       c->c,        c->rhs,     c->solution,   c->place,
-                    c->path_used, c->speed,   c->residual, c->moved,   c->correction, c->one_sided,
-                    c->implied,   c->touches, c->pushes,   c->allowed, c->held,       c->rests,
-                    c->lambda,    c->kept_x,  c->own,      c->J_end,   c->g_start,    c->rate_start};
+  void *arrays[] = {c->J,        c->WJ,         c->pin,        c->term,      c->value,   c->full,      c->scale,
+                    c->g,        c->c,          c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
+                    c->residual, c->moved,      c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
+                    c->allowed,  c->held,       c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end,
+                    c->g_start,  c->rate_start, c->met};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  hk_releases_close(&c->releases);
   hk_linear_system linear = c->linear, mixed = c->mixed;
   linear.analyzed = mixed.analyzed = false;
   *c = (hk_constraints){.table = c->table,
@@ -92,7 +93,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->correction = calloc(m, sizeof *c->correction);
   c->moved = calloc(3 * d->state->model.n + 1, sizeof *c->moved);
   c->kept_x = calloc(3 * d->state->model.n + 1, sizeof *c->kept_x);
-  bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests};
+  bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests, &c->met};
   bool fine = true;
   for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
     *sets[k] = calloc(m, sizeof **sets[k]);
@@ -108,7 +109,7 @@ static hk_status allocate(hk_dynamics *d) {
   fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->g_start && c->rate_start && c->c &&
           c->rhs && c->solution;
   fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
-  return fine && c->path_used ? HK_OK : no_memory(d);
+  return fine && c->path_used ? hk_releases_open(d) : no_memory(d);
 }
 
 static void find_one_sided(hk_dynamics *d) {

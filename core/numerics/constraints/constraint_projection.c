@@ -209,9 +209,12 @@ static hk_status project(hk_dynamics *d, double t, double *x, double *v) {
   hk_constraints *c = d->constraints;
   bool factorized = false;
   hold_pushing(c);
+  for (size_t k = 0; k < c->equations && c->meets; k++) c->held[k] |= c->met[k];
+  c->meets = false;
   memcpy(c->allowed, c->one_sided, c->equations * sizeof *c->allowed);
   hk_status status = project_positions(d, t, x, v, &factorized);
   hold_pushing(c);
+  if (c->one_sided_count) hk_release_end(c);
   memset(c->pushes, 0, c->equations * sizeof *c->pushes);
   return status == HK_OK ? project_velocities(d, t, x, v, factorized) : status;
 }
@@ -229,7 +232,7 @@ static hk_status project_with_contacts(hk_dynamics *d, double t, double *x, doub
   hk_constraints *c = d->constraints;
   hk_status status = hk_constraint_value(d, t, x, v);
   if (status != HK_OK) return status;
-  bool counts = x == s->X, lifted = counts && sinks(c);
+  bool counts = x == s->X, lifted = counts && (c->meets || sinks(c));
   double kinetic = counts ? hk_state_kinetic(s, x) : 0, potential = lifted ? hk_query_potential(d, t, x) : 0;
   c->jumped = c->struck = false;
   status = project(d, t, x, v);
@@ -333,13 +336,14 @@ void hk_constraints_forget(hk_dynamics *d) {
   if (d->constraints) d->constraints->kept = false;
 }
 
-static hk_status shake(hk_dynamics *d, double t, double *from, double h, double *x, double *v, double *work) {
+static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double h, double *x, double *v,
+                       double *work) {
   const hk_system *s = &d->system;
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
   int slowly = 0;
-  hk_status status = begin(d, s->t, from, from + 3 * s->n);
+  hk_status status = begin(d, t0, from, from + 3 * s->n);
   if (status == HK_OK) status = hk_dynamics_impose(d, t, x, v);
   for (int round = 0; round < ROUNDS && status == HK_OK; round++) {
     status = hk_constraint_value(d, t, x, v);
@@ -350,7 +354,7 @@ static hk_status shake(hk_dynamics *d, double t, double *from, double h, double 
       *work += done;
       return check_immovable(d, size);
     }
-    if (met) status = begin_anew(d, s->t, from, t, x, v);
+    if (met) status = begin_anew(d, t0, from, t, x, v);
     slowly = met ? 0 : slowly + (left > tardy * last);
     last = met ? INFINITY : left;
     if (status == HK_OK) status = slowly < PATIENCE ? solve_for(d, c->g) : hk_constraint_matrix_newton(d, t, x, v);
@@ -360,12 +364,17 @@ static hk_status shake(hk_dynamics *d, double t, double *from, double h, double 
   return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
-hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, double *x, double *v, double *work) {
+hk_status hk_constraints_shake_from(hk_system *s, double t_from, double *from, double t, double h, double *x, double *v,
+                                    double *work) {
   hk_dynamics *d = (hk_dynamics *)(void *)s;
   double start = hk_constraint_sampled(d) ? hk_clock() : 0;
-  hk_status status = shake(d, t, from, h, x, v, work);
+  hk_status status = shake(d, t_from, from, t, h, x, v, work);
   hk_constraint_account(d, start, false);
   return status;
+}
+
+hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, double *x, double *v, double *work) {
+  return hk_constraints_shake_from(s, s->t, from, t, h, x, v, work);
 }
 
 static hk_status rattle(hk_dynamics *d, double t, double *x, double h, double *v, double *work) {

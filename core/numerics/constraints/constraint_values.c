@@ -71,6 +71,11 @@ hk_status hk_constraint_speed(hk_dynamics *d, double t, const double *x, const d
   return d->constraints->has_speed ? ask(d, SPEED, t, x, v, d->constraints->speed) : HK_OK;
 }
 
+int hk_constraint_order(const hk_dynamics *d) {
+  const hk_instances *methods = &d->plugins->kind[HK_INTEGRATOR];
+  return methods->count ? methods->item[0]->plugin->integrator->order : 0;
+}
+
 double hk_constraint_extent(const hk_constraints *c, const double *x) {
   double largest[3] = {0, 0, 0};
   for (size_t b = 0; b < c->blocks; b++) {

@@ -5,6 +5,22 @@
 
 #include "core/numerics/matrix/matrix.h"
 
+/* What is known of one-sided equations that may cease to push within a step (release.c). */
+typedef struct hk_releases {
+  bool *acts;     /* equations: pushes in an evaluation of the step, or did in the last one before it */
+  bool *freed;    /* equations: rests in an evaluation of the step, although it touched at its start */
+  double *before; /* equations: multipliers at the start of the step */
+  double *most;   /* equations: the largest of them so far */
+  double *after;  /* equations: multipliers at the end of the step, of what acts as equalities */
+  double *slope;  /* scratch of an evaluation, shaped as X */
+  bool *rests;    /* equations: that of the constraints while the former are computed, and their scale */
+  double *scale;
+  bool weighing; /* this evaluation is for the multipliers of what acts, as equalities */
+  size_t equation, cuts;
+  double begin, end, left; /* the last step that was cut, for `equation`: its times, s, and the multiplier at its end */
+  double until;            /* s, the end of the longest step of which `cuts` are counted */
+} hk_releases;
+
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
   size_t equations, blocks, terms;
@@ -34,15 +50,19 @@ struct hk_constraints {
   bool *pushes;    /* one-sided equations whose multiplier was positive in the last evaluation of this step */
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
-  bool *rests;     /* equations that do not act in the present problem */
-  double soft;     /* the present factors are those of A + soft I */
-  bool dependent;  /* the present problem has linearly dependent equations */
-  bool struck;     /* velocities jumped in the present projection */
-  bool has_speed;  /* some constraint has `speed` */
-  bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
-                      jumped */
-  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
+  bool *met;       /* one-sided equations that are met at met_at, s, where a step was cut; impact.c */
+  double met_at;
+  bool meets;     /* the state to be projected is that of met_at, and those are met with equality */
+  bool *rests;    /* equations that do not act in the present problem */
+  double soft;    /* the present factors are those of A + soft I */
+  bool dependent; /* the present problem has linearly dependent equations */
+  bool struck;    /* velocities jumped in the present projection */
+  bool has_speed; /* some constraint has `speed` */
+  bool jumped;    /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
+                     jumped */
+  bool kept;      /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
+  hk_releases releases;
   uint64_t revision; /* of the pattern */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
@@ -68,6 +88,7 @@ hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const do
 hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
 hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
 hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
+int hk_constraint_order(const hk_dynamics *);                         /* of the scene's method; 0: it has none */
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
 /* rate = J v + g_t, sum = the sum of the magnitudes of its terms; sum NULL: it is not wanted. */
 void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
@@ -121,6 +142,8 @@ void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vecto
 
 hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
 hk_status hk_constraints_shake(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
+hk_status hk_constraints_shake_from(hk_system *, double t_from, double *from, double t, double h, double *x, double *v,
+                                    double *work);
 hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, double *v, double *work);
 
 /* ---- impact.c ---- */
@@ -129,6 +152,21 @@ void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt
 /* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
  * start; 1: none is before the end. */
 hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);
+
+/* ---- release_lists.c ---- */
+
+hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
+void hk_releases_close(hk_releases *);
+
+/* ---- release.c ---- */
+
+void hk_release_begin(hk_constraints *); /* of a step */
+/* After an evaluation, of the equations that touch; at_start: of the state that the step starts from. */
+void hk_release_note(hk_constraints *, bool at_start);
+void hk_release_end(hk_constraints *);      /* of a step that counts, by its last evaluation */
+hk_status hk_release_solve(hk_dynamics *d); /* c->solution of an evaluation with `weighing`, by c->c */
+/* As hk_constraints_impact, where an equation is released: *part becomes less where that is earlier. */
+hk_status hk_constraints_release(hk_dynamics *, double t, double *x, double *v, double h, double *part);
 
 /* ---- active_set.c ---- */
 

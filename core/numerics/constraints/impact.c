@@ -5,15 +5,19 @@
  * and then the rest.
  *
  * The instant is found on the cubic that has g and dg/dt of both ends of the step, whose error is of the fourth order
- * in the step. The part is taken and looked at again: near its ends the cubic is right to the square of the distance,
- * so that g at the end of the part is 0 to rounding after two or three parts. A cubic also has the two roots of a
- * particle that meets and leaves again within one step. */
+ * in the step. Of methods up to order 3 that is enough: where the part ends the equation is met, and the projection
+ * brings it to g = 0. Of others the part is taken and looked at again: near its ends the cubic is right to the square
+ * of the distance, so that g at the end of the part is 0 to rounding after two or three parts. A cubic also has the two
+ * roots of a particle that meets and leaves again within one step. */
 
 #include "core/numerics/constraints/constraints.h"
 
+#include <float.h>
 #include <string.h>
 
-enum { BISECTIONS = 60 };
+enum { BISECTIONS = 60, ENOUGH = 3 };
+
+static const double same = 1e-9; /* times and roots, in parts of a step */
 
 /* g of a step from s = 0 to s = 1, by its values and slopes there: g(0) + s (a + s (b + s c)). */
 typedef struct cubic {
@@ -62,6 +66,25 @@ void hk_constraint_note_start(hk_constraints *c) {
   memcpy(c->rate_start, c->residual, c->equations * sizeof *c->rate_start);
 }
 
+/* The root of equation k in the step, in parts of it; 1: it is not looked at, or has none. */
+static double root_of(const hk_constraints *c, size_t k, double h, double tolerance) {
+  if (!c->one_sided[k] || c->touches[k] || c->full[k] == 0 || !(c->g_start[k] > 0)) return 1;
+  if (c->meets && c->met[k]) return 1;
+  cubic q = through(c->g_start[k], h * c->rate_start[k], c->g[k], h * c->residual[k]);
+  return first_root(&q, tolerance);
+}
+
+/* The first root; those at it are met there. */
+static double first_of(hk_constraints *c, double h, double tolerance) {
+  double part = 1;
+  for (size_t k = 0; k < c->equations; k++) {
+    c->rhs[k] = root_of(c, k, h, tolerance);
+    part = fmin(part, c->rhs[k]);
+  }
+  for (size_t k = 0; k < c->equations && part < 1; k++) c->met[k] = c->rhs[k] <= part + same;
+  return part;
+}
+
 hk_status hk_constraints_impact(hk_dynamics *d, double t, double *x, double *v, double h, double *part) {
   hk_constraints *c = d->constraints;
   *part = 1;
@@ -73,11 +96,9 @@ hk_status hk_constraints_impact(hk_dynamics *d, double t, double *x, double *v, 
   if (status != HK_OK) return status;
   double tolerance = hk_constraint_met * hk_constraint_extent(c, x);
   hk_constraint_rate(c, v, c->residual, NULL);
-  for (size_t k = 0; k < c->equations; k++) {
-    if (!c->one_sided[k] || c->touches[k] || c->full[k] == 0 || !(c->g_start[k] > 0)) continue;
-    cubic q = through(c->g_start[k], h * c->rate_start[k], c->g[k], h * c->residual[k]);
-    double s = first_root(&q, tolerance);
-    if (s < *part) *part = s;
-  }
-  return HK_OK;
+  c->meets = hk_constraint_order(d) <= ENOUGH && fabs(t - c->met_at) <= same * h + 4 * DBL_EPSILON * fabs(t);
+  *part = first_of(c, h, tolerance);
+  c->meets &= *part == 1;
+  if (*part < 1) c->met_at = t - h + *part * h;
+  return hk_constraints_release(d, t, x, v, h, part);
 }

@@ -22,7 +22,8 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   d->constraints->table = (hk_constraint_table){.takes_constraints = true,
                                                 .project = hk_constraints_project_equalities,
                                                 .shake = hk_constraints_shake,
-                                                .rattle = hk_constraints_rattle};
+                                                .rattle = hk_constraints_rattle,
+                                                .shake_from = hk_constraints_shake_from};
   d->system.constraint = &d->constraints->table;
   /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
    * between evaluations. */

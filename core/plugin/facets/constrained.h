@@ -18,6 +18,9 @@ typedef struct hk_constraint_table {
   hk_status (*shake)(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
   /* Brings v onto J v + g_t = 0 by v += W J^T l, with J at (x, t); l is an impulse of half a step. */
   hk_status (*rattle)(hk_system *, double t, double *x, double h, double *v, double *work);
+  /* As `shake`, of a part of a step, which starts from `from` at the time t_from, and whose h is of either sign. */
+  hk_status (*shake_from)(hk_system *, double t_from, double *from, double t, double h, double *x, double *v,
+                          double *work);
 } hk_constraint_table;
 
 /* The number of equations that acted in the last evaluation. */

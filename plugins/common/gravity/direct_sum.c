@@ -127,14 +127,28 @@ static void pull_of(const hk_gravity_bodies *g, const block *b, hk_pull *sum) {
   hk_gravity_path_of(2)->pull(&g->at, b->begin, b->end, &at, g->eps2, sum);
 }
 
+/* The force m a for a host that multiplies by 1/m, which is off by a part of `off`: rounding makes of that a part which
+ * is another one from one range of numbers to the next, and so another one in each component. Such a force is turned a
+ * little, always the same way at a place, and orbits gain or lose energy and angular momentum with time, where
+ * roundings without a bias have them walk at random. */
+static double force_for(double a, double m, double off) {
+  double F = m * a, rest = fma(m, a, -F);
+  return F + (rest - F * off);
+}
+
+static double inverse_off(double m) {
+  double off = fma(1 / m, m, -1);
+  return fabs(off) < 1 ? off : 0; /* of no mass, or hardly any, the inverse is none */
+}
+
 static size_t add_pull(const task *t, const block *b) {
   hk_gravity_bodies *g = t->g;
   hk_pull sum;
   pull_of(g, b, &sum);
   for (size_t l = 0; l < b->count; l++) {
     size_t k = b->first + l;
-    double f = t->G * g->at.m[k] * (g->scale * g->scale);
-    for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += f * sum.a[c][l];
+    double per_mass = t->G * (g->scale * g->scale), m = g->at.m[k], off = inverse_off(m);
+    for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += force_for(per_mass * sum.a[c][l], m, off);
   }
   return coinciding(g, b, &sum);
 }

@@ -40,6 +40,7 @@ const hk_param hk_dirk_adaptive_params[] = {
 const hk_field hk_dirk_fields[] = {
     {"primed", .integer = HK_AT(hk_dirk, primed)},
     {"started", .integer = HK_AT(hk_dirk, started)},
+    {"wait", .integer = HK_AT(hk_dirk, wait)},
     {"proposal", .number = HK_AT(hk_dirk, proposal)},
     {"last_error", .number = HK_AT(hk_dirk, last_error)},
     {"newton_speed", .number = HK_AT(hk_dirk, newton.speed)},
@@ -242,14 +243,19 @@ hk_status hk_dirk_adaptive_step(void *self, const void *T, hk_system *s, double 
   for (bool retried = false;; retried = true) {
     status = attempt(m, T, s, h, &X, &error);
     if (status != HK_OK) return status;
-    if (error <= 1) {
-      take(m, T, s, X, h, wanted, retried, error, out);
+    double shorter = h * (error < INFINITY ? fmax(least, fmin(0.9, change_of(m, T, error))) : 0.25);
+    bool jump = !(error <= 1) && !(shorter > hk_shortest_step(s, span)) && hk_jump_met(&m->wait, error);
+    if (error <= 1 || jump) {
+      take(m, T, s, X, h, wanted, retried, fmin(error, 1), out);
+      if (jump)
+        *out = (hk_step){h, m->proposal = h, NAN};
+      else
+        hk_jump_passed(&m->wait);
       return HK_OK;
     }
-    h *= error < INFINITY ? fmax(least, fmin(0.9, change_of(m, T, error))) : 0.25;
-    if (h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)) continue;
-    if (status == HK_NOT_FINITE || (status == HK_OK && !isfinite(error)))
-      return HK_NOT_FINITE; /* the host finds the particle and the force */
+    h = shorter;
+    if (h > hk_shortest_step(s, span)) continue;
+    if (!isfinite(error)) return HK_NOT_FINITE; /* the host finds the particle and the force */
     return s->host->fail(s->host, HK_NOT_CONVERGED,
                          "no step from t = %.17g s meets the tolerance %g: tried down to %g s; give a larger tol, or "
                          "look for a force that jumps",

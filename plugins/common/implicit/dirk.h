@@ -27,7 +27,7 @@ extern const hk_field hk_dirk_fields[];
 typedef struct hk_dirk {
   hk_newton newton;
   /* fields */
-  int64_t primed, started;
+  int64_t primed, started, wait; /* wait: after a jump of a force (step_control.h) */
   double proposal, last_error;
   hk_scales scales;
   double *slope; /* saved, a field `state`: slope of the last stage of the last step */

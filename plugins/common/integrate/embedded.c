@@ -1,7 +1,6 @@
 /* See embedded.h. */
 #include "plugins/common/integrate/embedded.h"
 
-#include <float.h>
 #include <string.h>
 
 static const double share_of_second = 0.01;
@@ -94,16 +93,22 @@ hk_status hk_embedded_step(void *self, const void *method, hk_system *s, double 
       error = estimate(m, p, s, h);
     else if (status != HK_NOT_FINITE && status != HK_NOT_CONVERGED)
       return status;
-    if (error <= 1) {
-      accept(m, p, s, (attempt){h, error, h >= span, retried}, out);
+    double shorter = h * (error < INFINITY ? fmax(p->least, p->safety * pow(error, -1 / p->order)) : p->least);
+    bool jump = !(error <= 1) && !(shorter > hk_shortest_step(s, span)) && hk_jump_met(&m->wait, error);
+    if (error <= 1 || jump) {
+      accept(m, p, s, (attempt){h, fmin(error, 1), h >= span, retried}, out);
+      if (jump)
+        out->error = NAN;
+      else
+        hk_jump_passed(&m->wait);
       return HK_OK;
     }
-    h *= error < INFINITY ? fmax(p->least, p->safety * pow(error, -1 / p->order)) : p->least;
-    if (!(h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)))
+    if (!(shorter > hk_shortest_step(s, span)))
       return s->host->fail(s->host, HK_NOT_CONVERGED,
                            "no step from t = %.17g s meets the tolerance %g: tried down to %g s, where the error is %g "
                            "times as large; give a larger tol, or look for a force that jumps",
-                           s->t, s->tol, h, error);
+                           s->t, s->tol, shorter, error);
+    h = shorter;
   }
 }
 

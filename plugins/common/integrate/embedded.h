@@ -2,7 +2,8 @@
  * tableau is f at the end of the step, and the first one of the next step.
  *
  * A step is accepted when its error (step_control.h) is at most `tol`. The length of the next step is computed from the
- * last two errors (Hairer, Norsett and Wanner, Solving ODEs I, II.4; Hairer and Wanner II, IV.2). */
+ * last two errors, and where a force jumps that finds all at rest, by step_control.h (Hairer, Norsett and Wanner,
+ * Solving ODEs I, II.4; Hairer and Wanner II, IV.2). */
 #ifndef HK_EMBEDDED_H
 #define HK_EMBEDDED_H
 
@@ -23,6 +24,7 @@ typedef struct hk_embedded {
 typedef struct hk_embedded_state { /* an instance */
   int64_t primed;                  /* whether `first` is the slope at X */
   int64_t started;                 /* whether a step has been taken */
+  int64_t wait;                    /* after a jump of a force (step_control.h) */
   double proposal;                 /* s, proposed length of the next step */
   double last_error;               /* error of the last step, for the PI control */
   hk_scales scales;
@@ -36,6 +38,7 @@ typedef struct hk_embedded_state { /* an instance */
   {                                                                                                                    \
     {"primed", .integer = HK_AT(hk_embedded_state, primed)},                                                           \
         {"started", .integer = HK_AT(hk_embedded_state, started)},                                                     \
+        {"wait", .integer = HK_AT(hk_embedded_state, wait)},                                                           \
         {"proposal", .number = HK_AT(hk_embedded_state, proposal)},                                                    \
         {"last_error", .number = HK_AT(hk_embedded_state, last_error)},                                                \
         {"speed", .number = HK_AT(hk_embedded_state, scales.speed)},                                                   \

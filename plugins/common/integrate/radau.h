@@ -19,8 +19,10 @@ enum { HK_RADAU_NODES = 7, HK_RADAU_ROWS = HK_RADAU_NODES + 1 };
 
 extern const double hk_radau_node[HK_RADAU_ROWS]; /* 0 first, then s of each node, rising */
 
-/* The state at s = hk_radau_node[k] into `to`, shaped as X, of a step of h from X. */
-void hk_radau_place(const double *B, const hk_system *, double h, int k, const double *X, double *to);
+/* The state at s = hk_radau_node[k] into `to`, shaped as X, of a step of h from X; `lost`: see hk_radau_finish. Without
+ * it the forces of all nodes of a step would be those of a state that is off by the same rounding. */
+void hk_radau_place(const double *B, const hk_system *, double h, int k, const double *X, const double *lost,
+                    double *to);
 /* Takes the slope found at node k = 1 .. 7 into B and G. */
 void hk_radau_refine(double *B, double *G, size_t length, int k, const double *slope);
 /* G of the polynomial B. */

@@ -1,5 +1,6 @@
 #include "plugins/common/integrate/splitting.h"
 #include "plugins/kit/integrate/growth_factor.h"
+#include "plugins/kit/integrate/rattle.h"
 
 #include <complex.h>
 #include <string.h>
@@ -10,6 +11,9 @@ const hk_field hk_splitting_fields[] = {
     {"seen", .state = HK_AT(hk_splitting, seen), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
+
+static const hk_constrained_facet constrained = {.size = sizeof constrained, .keeps = true};
+const hk_facet hk_splitting_facets[] = {{HK_CONSTRAINED_ID, &constrained}, {0}};
 
 static double ahead(const hk_splitting_method *f, int kick) {
   return kick == f->stages ? f->kick[kick] : f->kick[kick] / 2;
@@ -97,15 +101,39 @@ static void kick_rates(double *restrict y, double *restrict seen, const double *
   }
 }
 
+static hk_status prime(hk_splitting *m, hk_system *s) {
+  size_t v = 3 * s->n;
+  hk_status status =
+      m->primed ? HK_OK : s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
+  m->primed = 0; /* until the end of the step, which writes over the slope */
+  return status;
+}
+
+/* The states alternate between two lists, so that X stays as it was; their number is odd. */
+static hk_status constrained_step(hk_splitting *m, const hk_splitting_method *f, hk_system *s, double t_stop,
+                                  double h) {
+  double *from = s->X, *to = s->spare, t = s->t;
+  s->constraint->takes_constraints = false;
+  hk_status status = prime(m, s);
+  for (int i = 0; i < f->parts && status == HK_OK; i++) {
+    double part = f->part[i] * h, next = i + 1 < f->parts ? t + part : fmin(t_stop, s->t + h);
+    status = hk_rattle_step(s, t, from, next, part, to, m->slope, m->slope + 3 * s->n);
+    t = next, from = to, to = from == s->spare ? m->seen : s->spare;
+  }
+  if (status != HK_OK) return status;
+  s->exchange(s);
+  m->primed = 1;
+  return HK_OK;
+}
+
 hk_status hk_splitting_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   hk_splitting *m = self;
   const hk_splitting_method *f = method;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = s->spare, *seen = m->seen, *a = m->slope, t = s->t, last = h * f->kick[f->stages];
-  hk_status status = HK_OK;
   (void)out;
-  if (!m->primed) status = s->accelerations(s, t, s->X, s->X + v, s->X + y, a, a + v);
-  m->primed = 0;
+  if (s->constraint && s->constraint->holonomic) return constrained_step(m, f, s, t_stop, h);
+  hk_status status = prime(m, s);
   memcpy(X + y, s->X + y, (s->size - y) * sizeof *X);
   for (int i = 0; i < f->stages && status == HK_OK; i++) {
     stage at = {i == 0 ? s->X : NULL, X,    X + v, seen + v, a, h * f->kick[i], h * f->drift[i],

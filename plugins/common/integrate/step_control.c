@@ -1,12 +1,23 @@
 /* See step_control.h. Sums are computed in LANES partial sums, for speed; their order is fixed. */
 #include "plugins/common/integrate/step_control.h"
 
+#include <float.h>
 #include <string.h>
 
-enum { LANES = 8 };
+enum { LANES = 8, WAIT = 10 };
 
 static const double at_rest = 1e-6;  /* a speed that counts as rest: this part of the extent per step */
 static const double smallest = 1e-6; /* a number of a channel that counts as 0: this part of the channel's largest */
+
+bool hk_jump_met(int64_t *wait, double error) {
+  if (*wait > 0 || !isfinite(error)) return false;
+  *wait = WAIT;
+  return true;
+}
+
+void hk_jump_passed(int64_t *wait) { *wait -= *wait > 0; }
+
+double hk_shortest_step(const hk_system *s, double span) { return 8 * DBL_EPSILON * fmax(fabs(s->t), span); }
 
 double hk_inner_product(const double *a, const double *b, size_t count) {
   double sum[LANES] = {0}, total = 0;
@@ -130,6 +141,7 @@ double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const d
   size_t v = 3 * s->n;
   double V = fmax(c->speed, hk_rms_free(s, X + v)), A = fmax(c->acceleration, hk_rms_free(s, a));
   double L = extent(X, s->n, V, A);
+  if (!(L > 0)) L = V * h; /* a particle alone that no force has bent from its way */
   double worst =
       larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));
   for (size_t k = 0; k < s->model->channels; k++)

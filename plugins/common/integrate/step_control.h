@@ -18,6 +18,16 @@ typedef struct hk_scales {
   double speed, acceleration; /* largest RMS values so far */
 } hk_scales;
 
+/* Of a method that has to give up a step from t at h s, as a shorter one would be less than what t and the time to the
+ * next stop, `span`, resolve: whether it takes that step whatever its error, which is not finite or more than 1. A
+ * force that jumps while all is at rest, or nearly so, gives speeds and ways of which it makes all of the scale, so
+ * that no step is short enough; but the jump then is where its time is known to, and the error is that of a time
+ * rounded. A singular force has no such step, as it goes on to grow: so this is granted again after some steps have met
+ * their tolerance only. *wait: 0 at first, among the fields of the method; counted down by hk_jump_passed. */
+bool hk_jump_met(int64_t *wait, double error);
+void hk_jump_passed(int64_t *wait);                      /* a step has met its tolerance */
+double hk_shortest_step(const hk_system *, double span); /* s, what the loops of methods may shorten a step to */
+
 double hk_rms(const double *list, size_t count);
 /* A scalar product, in eight partial sums for speed; their order is fixed. */
 double hk_inner_product(const double *a, const double *b, size_t count);

@@ -140,12 +140,31 @@ static void methods_of_order_1_meet_it_at_the_end_of_a_step(void **state) {
   test_engine_close(&e);
 }
 
+/* A method of order 2 is as good with the root of the cubic as with one to rounding, and takes one step back; the cable
+ * is at its length at once. One of order 4 looks again. */
+static void a_method_of_order_2_takes_one_step_back(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    test_engine e;
+    hk_summary s;
+    tie(&e, k ? "rk4" : "leapfrog", 1.0 / 100, (double[]){0.6, 0, 0, 0});
+    test_run(&e);
+    test_advance(&e, 0.5);
+    hk_run_summary(e.run, &s);
+    const double *x = test_position(&e, 2);
+    assert_true(k ? s.rejected_steps > 1 : s.rejected_steps == 1);
+    assert_true(s.late_impacts == 0 && fabs(hypot(x[0], x[1]) - 1) < 1e-12);
+    test_engine_close(&e);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(methods_keep_their_order_across_an_impact),
       cmocka_unit_test(what_is_met_and_left_within_a_step_is_seen),
       cmocka_unit_test(the_energy_of_an_impact_is_work),
       cmocka_unit_test(methods_of_order_1_meet_it_at_the_end_of_a_step),
+      cmocka_unit_test(a_method_of_order_2_takes_one_step_back),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
