@@ -14,6 +14,8 @@ enum { CPU_SECONDS = 10 };
 /* Without an accuracy a run is wrong beyond this part of the way. An accuracy says nothing about channels: one is right
  * up to this part of its largest value, and wrong only where nothing of it is left. */
 static const double visible = 0.1;
+/* m, what every run of hooke is uncertain by: starts of metres, rounded in each of many steps. */
+static const double rounding = 1e-14;
 
 static void redirect(const char *path, int to) {
   int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -65,12 +67,14 @@ static bool frame_errors(const char *row, const adv_scene *s, const adv_answer *
   adv_real sums[2] = {0};
   int count[2] = {3 * s->n, s->n * s->size};
   const adv_real *known[2] = {a->x + frame * count[0], a->c + frame * count[1]};
-  double t = strtod(row, &end);
+  double t = strtod(row, &end) / s->units.time;
   if (fabs(t * s->fps - frame) > 1e-6) return false;
   for (int part = 0; part < 2; part++)
     for (int e = 0; e < count[part]; e++) {
       if (*end != ',') return false;
-      adv_real off = strtod(end + 1, &end) - known[part][e];
+      adv_real read = strtod(end + 1, &end);
+      if (part == 0) read = read / s->units.length - s->units.offset[e % 3];
+      adv_real off = read - known[part][e];
       sums[part] += off * off;
     }
   for (int part = 0; part < 2; part++)
@@ -120,6 +124,7 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   r->error = r->last = INFINITY;
   r->bound = isfinite(r->accuracy) ? r->accuracy : visible * a->extent;
   r->uncertainty = a->uncertainty;
+  r->luck = rounding * a->growth;
   if (s->size > 0 && a->channel_uncertainty > visible / 100 * a->channel_extent) r->uncertainty = INFINITY;
   if (!prepare(folder, s, r->accuracy)) return;
   int code = run_hooke(hooke, folder, r->method);
@@ -138,3 +143,5 @@ bool adv_run_certain(const adv_run *r) { return r->uncertainty <= r->bound / 100
 bool adv_run_wrong(const adv_run *r) { return r->error > r->bound + r->uncertainty || r->channel > 1; }
 
 bool adv_run_right(const adv_run *r) { return r->error <= r->bound + r->uncertainty && r->channel <= visible; }
+
+bool adv_run_lucky(const adv_run *r) { return adv_run_right(r) && r->luck > r->bound; }
