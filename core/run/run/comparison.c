@@ -9,7 +9,11 @@ static const double margin = 2, no_order = 0.75, /* the ratio of two distances a
     order_part = 0.125, /* of the run that the quarter of the step is taken for: half the run's cost */
     seen = 1e-4,        /* of the accuracy: a distance that shows an order */
     stricter = 1e-3,    /* the tolerance of a second reference, relative to the first */
+    drift_margin = 4,   /* errors that add up grow in proportion to time, and some with its square */
     reserve = 0.98;     /* what an estimate leaves of the accuracy, for its own error */
+
+/* Parts of a run that a reference is tried for where it is too dear for all of it. */
+static const double drift_part[] = {0.125, 1.0 / 64};
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -131,28 +135,34 @@ hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
 }
 
 /* A reference that has passed by a force of short range is none. */
-static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
+static bool use_reference(hk_comparison *c, const hk_comparison_run *reference) {
   measure_by(c, &reference->trajectory, reference->reach);
   hk_distance d = distance(c, NULL, reference, INFINITY);
-  if (isnan(d.position) || reference->missed > c->accuracy) return;
+  if (isnan(d.position) || reference->missed > c->accuracy) return false;
   c->has_reference = true;
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
            reference->method, reference->tol, reference->perturbation);
+  return true;
 }
 
 /* Functions that vibrate limit the steps. */
-static void take_reference(hk_comparison *c, hk_reference want) {
-  hk_comparison_run reference;
+static bool run_reference(hk_comparison *c, hk_reference want, hk_comparison_run *reference) {
   if (vibrates(c)) want.dt_most = fmin(want.dt_most, c->sampling.shortest / pulse_lengths);
   hk_run_options o = *c->first;
   o.cut = c->cut;
   o.cuts = c->cuts;
-  if (!hk_reference_take(c->loader, &o, c->whole, &want, &reference)) return;
-  use_reference(c, &reference);
+  return hk_reference_take(c->loader, &o, c->whole, &want, reference);
+}
+
+static bool take_reference(hk_comparison *c, hk_reference want) {
+  hk_comparison_run reference;
+  if (!run_reference(c, want, &reference)) return false;
+  bool used = use_reference(c, &reference);
   hk_trajectory_free(&reference.trajectory);
+  return used;
 }
 
 /* 1/s, the largest frequency that is known; of implicit runs, which need none, it is estimated here, since without it
@@ -169,8 +179,31 @@ static double frequency(const hk_comparison *c) {
   return status == HK_OK ? found.w_reached : 0;
 }
 
+static hk_reference wanted(const hk_comparison *c, hk_effort effort) {
+  return (hk_reference){.relative = strictest(c), .dt_most = INFINITY, .frequency = frequency(c), .effort = effort};
+}
+
 void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
-  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse});
+  if (c->has_reference) return;
+  hk_reference want = wanted(c, effort);
+  want.coarse = coarse;
+  take_reference(c, want);
+}
+
+bool hk_comparison_may_drift(hk_comparison *c) {
+  bool doubts = false;
+  for (size_t k = 0; k < sizeof drift_part / sizeof *drift_part && !doubts; k++) {
+    hk_comparison_run first;
+    hk_reference want = wanted(c, HK_EFFORT_SMALL);
+    want.coarse = true;
+    want.until = drift_part[k] * c->whole->state.t;
+    if (!run_reference(c, want, &first)) continue;
+    hk_distance d = distance(c, NULL, &first, want.until);
+    doubts = drift_margin / drift_part[k] * relative(c, &d) > 1;
+    hk_trajectory_free(&first.trajectory);
+    break;
+  }
+  return doubts;
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
@@ -180,14 +213,6 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
   return c->compared && times * relative(c, &d) <= 1;
 }
 
-/* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
- * grow. The second has steps no longer than the run's. */
-void hk_comparison_tie_break(hk_comparison *c) {
-  if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(
-        c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, HK_EFFORT_LARGE, false});
-}
-
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
 void hk_comparison_use_half(hk_comparison *c) {
   hk_distance d = distance(c, NULL, &c->half, INFINITY);
@@ -195,6 +220,20 @@ void hk_comparison_use_half(hk_comparison *c) {
   c->error = margin * relative(c, &d);
   c->position = margin * d.position;
   snprintf(c->how, sizeof c->how, "compared with half the step and a start off by 1e-14 of the extent");
+}
+
+/* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
+ * grow. The second has steps no longer than the run's; where those are too many, as of a method of high order, one that
+ * chooses its steps still shows errors that grew. */
+void hk_comparison_tie_break(hk_comparison *c) {
+  if (!(c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))) return;
+  hk_reference want = {.relative = strictest(c) * stricter,
+                       .dt_most = c->whole->record.dt_max,
+                       .frequency = c->half.swings,
+                       .effort = HK_EFFORT_LARGE};
+  if (take_reference(c, want)) return;
+  want.dt_most = INFINITY;
+  take_reference(c, want);
 }
 
 /* The order is that of the first part of the run, where a quarter of the step is affordable; the distance is that of

@@ -40,6 +40,9 @@ bool hk_comparison_use_order(hk_comparison *);
 void hk_comparison_reference(hk_comparison *, hk_effort, bool coarse);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
 void hk_comparison_tie_break(hk_comparison *);
+/* Where there is no reference of the whole run: whether one of its first part says that errors which add up may be
+ * beyond what is asked at the end. */
+bool hk_comparison_may_drift(hk_comparison *);
 /* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
  */
 bool hk_comparison_agrees(const hk_comparison *, double times);

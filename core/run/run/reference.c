@@ -86,14 +86,19 @@ static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_inte
          b->free / (1 + (double)whole->state.model.n / b->particles) / free_cost;
 }
 
+static double end_of(const hk_run *whole, const hk_reference *want) {
+  return want->until > 0 ? want->until : whole->state.t;
+}
+
 /* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
  * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
 static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
+  double end = end_of(whole, want), part = whole->state.t > 0 ? end / whole->state.t : 1;
   double w = fmax(want->frequency, whole->step->spectrum.w_reached);
   bool iterates = hk_integrator_tables_of(method)->adaptive.evaluations > 0;
   double limit = iterates ? iteration_limit : method->stages;
-  double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / limit;
-  return fmax((double)whole->record.frames, stable);
+  double stable = method->flags & HK_IMPLICIT ? 0 : w * end / limit;
+  return fmax(part * (double)whole->record.frames, stable);
 }
 
 /* What is looked for, and with what confidence. */
@@ -128,6 +133,16 @@ static hk_run_options options_of(const search *s, const hk_plugin *plugin) {
   return o;
 }
 
+static bool take(search *s, const hk_run_options *o, const hk_plugin *plugin) {
+  double end = end_of(s->whole, s->want);
+  bool reached = hk_comparison_run_take(s->loader, o, s->whole, end, s->found, &s->error) == HK_OK;
+  s->found->method = plugin->name;
+  s->found->perturbation = o->perturb;
+  s->found->reserve = s->strict->reserve;
+  if (!reached) hk_trajectory_free(&s->found->trajectory);
+  return reached;
+}
+
 static bool attempt(search *s, wish w) {
   const hk_run *whole = s->whole;
   const hk_plugin *plugin;
@@ -137,11 +152,7 @@ static bool attempt(search *s, wish w) {
   double steps = allowed_steps(whole, s->want->effort, plugin->integrator);
   if (o.tol > least_of_own(whole) || !(steps >= least_steps(whole, s->want, plugin->integrator))) return false;
   o.step_limit = (size_t)steps;
-  bool reached = hk_comparison_run_take(s->loader, &o, whole, whole->state.t, s->found, &s->error) == HK_OK;
-  s->found->method = plugin->name;
-  s->found->perturbation = o.perturb;
-  s->found->reserve = s->strict->reserve;
-  if (!reached) hk_trajectory_free(&s->found->trajectory);
+  bool reached = take(s, &o, plugin);
   if (s->error.status == HK_NO_MEMORY)
     hk_warn(whole->loop.warnings, "no memory for a run with %s, with which this one would be compared: %s",
             plugin->name, s->error.text);

@@ -10,12 +10,18 @@
  *    D / (1 - ratio) of the two distances there (Richardson). Where figures of the run contradict a small D, the
  *    reference is tried at a higher cost.
  *
+ * 4. Where no accuracy is asked for and a reference is too dear, as of many turns, one of the first part shows whether
+ *    errors that add up may be visible at the end. Then a larger effort, or half the step, decides.
+ *
  * All are compared at all frames (hk_trajectory), or at the end where the scene says so. The other runs end steps where
  * a function of time changes fast (judge/under_sampled.c), so that they do not step over what the run stepped over. */
 #include "core/run/run/comparison.h"
 #include "core/engine/text/text.h"
 
 #include <string.h>
+
+/* Evaluations times particles: some seconds. */
+static const double worth_seconds = 2e7;
 
 /* The channel whose error is the worst of all; NULL: that of the positions is. */
 static const hk_channel_spec *worst_channel(const hk_comparison *c) {
@@ -40,7 +46,8 @@ static bool judge(hk_comparison *c) {
   found->channel_accuracy = channel && channel->accuracy > 0 ? channel->accuracy : 0;
   if (c->summary->accuracies > (c->summary->accuracy > 0)) found->channel_error = c->worst.channel;
   found->energy_converges = c->compared && hk_comparison_energy_converges(c);
-  found->damped = c->has_reference || !c->compared ? 0 : hk_comparison_damped_energy(c);
+  bool own = !c->has_reference && c->compared && c->summary->accuracies > 0;
+  found->damped = own ? hk_comparison_damped_energy(c) : 0;
   memcpy(found->how, c->how, sizeof found->how);
   hk_judge(&run->loop, &run->judgement, &run->asked);
   return run->judgement.verdict == HK_VERDICT_OK;
@@ -67,11 +74,23 @@ static void judge_without_half(hk_comparison *c) {
   judge(c);
 }
 
+/* The first part of the run lets one doubt its end. Where the run is worth seconds, so is the answer. */
+static void settle_doubt(hk_comparison *c) {
+  const hk_run *run = c->whole;
+  hk_error error = {0};
+  if ((double)run->dynamics.count.evaluations * (double)run->state.model.n > worth_seconds) return;
+  if (!hk_comparison_may_drift(c)) return;
+  hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
+  if (!c->has_reference) hk_comparison_take_half(c, &error);
+  if (c->compared) hk_comparison_use_half(c);
+}
+
 /* Where none was: half the step is taken where it could defend the run. */
 static void judge_motion(hk_comparison *c) {
   hk_error error = {0};
   hk_comparison_reference(c, HK_EFFORT_SMALL, true);
-  if (!c->has_reference) { /* what functions of time do between evaluations counts */
+  if (!c->has_reference) settle_doubt(c);
+  if (!c->has_reference && !c->compared) { /* what functions of time do between evaluations counts */
     hk_judge(&c->whole->loop, &c->whole->judgement, &c->whole->asked);
     return;
   }
