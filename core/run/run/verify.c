@@ -20,8 +20,8 @@
 
 #include <string.h>
 
-/* Evaluations times particles: some seconds. */
-static const double worth_seconds = 2e7;
+/* Evaluations times particles: some seconds; and errors add up over thousands of steps. */
+static const double worth_seconds = 2e7, many_steps = 2000;
 
 /* The channel whose error is the worst of all; NULL: that of the positions is. */
 static const hk_channel_spec *worst_channel(const hk_comparison *c) {
@@ -78,7 +78,8 @@ static void judge_without_half(hk_comparison *c) {
 static void settle_doubt(hk_comparison *c) {
   const hk_run *run = c->whole;
   hk_error error = {0};
-  if ((double)run->dynamics.count.evaluations * (double)run->state.model.n > worth_seconds) return;
+  double work = (double)run->dynamics.count.evaluations * (double)run->state.model.n;
+  if (work > worth_seconds || (double)run->record.steps < many_steps) return;
   if (!hk_comparison_may_drift(c)) return;
   hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
   if (!c->has_reference) hk_comparison_take_half(c, &error);
