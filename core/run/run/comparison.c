@@ -2,6 +2,7 @@
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/comparison.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,9 @@ static const double margin = 2, no_order = 0.75, /* the ratio of two distances a
 
 /* Parts of a run that a reference is tried for where it is too dear for all of it. */
 static const double drift_part[] = {0.125, 1.0 / 64};
+
+/* The first frame is late where it is beyond this part of the run. */
+static const double sparse = 1.0 / 64;
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -190,20 +194,27 @@ void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
   take_reference(c, want);
 }
 
+/* Frames are the moments that can be compared. Where even the first one is too late for a reference, nothing says that
+ * the phase is not lost; with impacts or births there is no reference of any part. */
+static bool frames_are_sparse(const hk_comparison *c) {
+  const hk_plugins *plugins = &c->whole->plugins;
+  double first = hk_trajectory_time(&c->whole->judgement.trajectory, DBL_EPSILON);
+  bool possible = !plugins->kind[HK_CORRECTOR].count && !plugins->kind[HK_SOURCE].count;
+  return possible && first > sparse * c->whole->state.t;
+}
+
 bool hk_comparison_may_drift(hk_comparison *c) {
-  bool doubts = false;
-  for (size_t k = 0; k < sizeof drift_part / sizeof *drift_part && !doubts; k++) {
+  for (size_t k = 0; k < sizeof drift_part / sizeof *drift_part; k++) {
     hk_comparison_run first;
     hk_reference want = wanted(c, HK_EFFORT_SMALL);
     want.coarse = true;
-    want.until = drift_part[k] * c->whole->state.t;
-    if (!run_reference(c, want, &first)) continue;
+    want.until = hk_trajectory_time(&c->whole->judgement.trajectory, drift_part[k]);
+    if (!(want.until > 0) || !run_reference(c, want, &first)) continue;
     hk_distance d = distance(c, NULL, &first, want.until);
-    doubts = drift_margin / drift_part[k] * relative(c, &d) > 1;
     hk_trajectory_free(&first.trajectory);
-    break;
+    return drift_margin * c->whole->state.t / want.until * relative(c, &d) > 1;
   }
-  return doubts;
+  return frames_are_sparse(c);
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
