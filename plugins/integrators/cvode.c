@@ -32,7 +32,7 @@ typedef struct cvode {
   N_Vector error, weight; /* NULL without `estimate` */
   bool running;           /* whether CVODE's history is that of X */
   double planned;         /* s, length of the next step that CVODE proposes */
-  double t;    /* s, CVODE's time */
+  double t;               /* s, CVODE's time */
 } cvode;
 
 static const hk_param params[] = {

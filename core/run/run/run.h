@@ -205,7 +205,7 @@ typedef struct hk_reference {
   double dt_most;   /* s, its longest step; INFINITY: the method's choice */
   double frequency; /* 1/s, the largest of the scene, where it is known; 0 */
   hk_effort effort;
-  bool coarse;                           /* a coarser reference will do where a strict one takes too many steps */
+  bool coarse;  /* a coarser reference will do where a strict one takes too many steps */
   double until; /* s, where it ends; 0: where the run does */
 } hk_reference;
 
