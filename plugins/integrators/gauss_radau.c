@@ -323,12 +323,12 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
 }
 
 static const hk_adaptive_facet adaptive = {
-    .size = sizeof adaptive, .tolerance = DBL_EPSILON, .finest = DBL_EPSILON / 200, .evaluations = 25};
+    .size = sizeof adaptive, .tolerance = DBL_EPSILON, .finest = DBL_EPSILON / 200, .evaluations = 26};
 static const hk_facet facets[] = {{HK_ADAPTIVE_ID, &adaptive}, {0}};
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 15,
-                                         .stages = 15,
+                                         .stages = 16,
                                          .flags = HK_ADAPTIVE,
                                          .step = step,
                                          .reset = reset,
