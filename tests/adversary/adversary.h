@@ -151,12 +151,12 @@ void adv_add_bars(const adv_system *, const adv_real *y, adv_real *F);
 adv_real adv_longest_step(const adv_system *, adv_real t, const adv_real *y);
 
 typedef struct adv_answer {
-  adv_real *x;        /* (frames + 1) x n x 3 */
-  adv_real *c;        /* (frames + 1) x n x size */
-  double uncertainty; /* m, largest of all frames, RMS; INFINITY: not reached */
-  double growth;      /* of a disturbance of the start */
-  double extent;      /* m, largest RMS distance from the start */
-  double channel_extent, channel_uncertainty;
+  adv_real *x;                                                /* (frames + 1) x n x 3 */
+  adv_real *c;                                                /* (frames + 1) x n x size */
+  double uncertainty;                                         /* m, largest of all frames, RMS; INFINITY: not reached */
+  double growth;                                              /* of a disturbance of the start */
+  double extent;                                              /* m, largest RMS distance from the start */
+  double channel_extent, channel_change, channel_uncertainty; /* largest value; largest distance from the start */
 } adv_answer;
 
 /* False without memory. */
@@ -178,7 +178,7 @@ typedef struct adv_run {
   double error, bound, uncertainty; /* m; the error is the largest of all frames */
   double last;                      /* m, the error at the end */
   double luck;                      /* m: what the rounding of the start in doubles grows to */
-  double channel;                   /* largest error of a channel over its largest value */
+  double channel, of_change;        /* largest error of a channel over its largest value; over its largest change */
 } adv_run;
 
 /* Runs `hooke run` on the scene in the folder and measures the error; the run's method and accuracy are given. */
@@ -186,8 +186,8 @@ void adv_run_make(adv_run *, const char *hooke, const char *folder, const adv_sc
 
 bool adv_run_certain(const adv_run *); /* the reference is good enough to judge it */
 bool adv_run_wrong(const adv_run *);   /* beyond its bound; a channel: by as much as it is large */
-bool adv_run_right(const adv_run *);   /* within its bound; a channel: up to a tenth */
-bool adv_run_lucky(const adv_run *);   /* right, where the rounding of doubles decides: an alarm is none that is false */
+bool adv_run_right(const adv_run *);   /* within its bound; a channel: up to a tenth of its change */
+bool adv_run_lucky(const adv_run *); /* right, where the rounding of doubles decides: an alarm is none that is false */
 
 typedef struct adv_options {
   const char *hooke, *families, *methods, *accuracies; /* lists with commas; NULL: all */

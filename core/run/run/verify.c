@@ -74,16 +74,26 @@ static void judge_without_half(hk_comparison *c) {
   judge(c);
 }
 
+/* Whether a larger effort is no more than some seconds. */
+static bool is_short(const hk_run *run) {
+  return (double)run->dynamics.count.evaluations * (double)run->state.model.n <= worth_seconds;
+}
+
 /* The first part of the run lets one doubt its end. Where the run is worth seconds, so is the answer. */
 static void settle_doubt(hk_comparison *c) {
-  const hk_run *run = c->whole;
   hk_error error = {0};
-  double work = (double)run->dynamics.count.evaluations * (double)run->state.model.n;
-  if (work > worth_seconds || (double)run->record.steps < many_steps) return;
-  if (!hk_comparison_may_drift(c)) return;
+  if (!is_short(c->whole) || (double)c->whole->record.steps < many_steps || !hk_comparison_may_drift(c)) return;
   hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
   if (!c->has_reference) hk_comparison_take_half(c, &error);
   if (c->compared) hk_comparison_use_half(c);
+}
+
+/* What functions of time do between evaluations counts. Where the run's own figures speak against it, a larger effort
+ * may defend it. */
+static void judge_by_figures(hk_comparison *c) {
+  hk_judgement *j = &c->whole->judgement;
+  hk_judge(&c->whole->loop, j, &c->whole->asked);
+  if (j->verdict != HK_VERDICT_OK && is_short(c->whole)) hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
 }
 
 /* Where none was: half the step is taken where it could defend the run. */
@@ -91,10 +101,8 @@ static void judge_motion(hk_comparison *c) {
   hk_error error = {0};
   hk_comparison_reference(c, HK_EFFORT_SMALL, true);
   if (!c->has_reference) settle_doubt(c);
-  if (!c->has_reference && !c->compared) { /* what functions of time do between evaluations counts */
-    hk_judge(&c->whole->loop, &c->whole->judgement, &c->whole->asked);
-    return;
-  }
+  if (!c->has_reference && !c->compared) judge_by_figures(c);
+  if (!c->has_reference && !c->compared) return;
   if (c->error > 1 && !c->compared) hk_comparison_take_half(c, &error);
   if (c->compared) hk_comparison_tie_break(c);
   judge(c);
