@@ -20,8 +20,8 @@
 
 #include <string.h>
 
-/* Evaluations times particles: some seconds; and errors add up over thousands of steps. */
-static const double worth_seconds = 2e7, many_steps = 2000;
+/* Evaluations times particles: some seconds; and errors add up over a thousand steps. */
+static const double worth_seconds = 2e7, many_steps = 1000;
 
 /* The channel whose error is the worst of all; NULL: that of the positions is. */
 static const hk_channel_spec *worst_channel(const hk_comparison *c) {
