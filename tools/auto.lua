@@ -5,9 +5,12 @@
 -- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with
 -- the methods of order 2 and more. Errors accumulate: a fraction of the duration may have this fraction of the error,
 -- and of it a quarter, since the run is judged (core/run/run/verify.c) at all frames, and in doubt by a bound of its error.
--- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. The choice
--- is stored under a hash of the scene's text, its parameters, the accuracy, the end and the plugins' contents.
+-- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. Where the
+-- whole run is affordable, it is tried with the choice (tools/common/bench/trial.lua): what comes late, such as a
+-- collision, the first part does not show. The choice is stored under a hash of the scene's text, its parameters, the
+-- accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
+local trial = require("common.bench.trial") -- before the bench, which runs cases in another way
 local accuracy_search = require("common.bench.accuracy_search")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
@@ -22,9 +25,10 @@ local margin = 1 / 4
 local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
 local as_cheap = 1.2                      -- costs closer than this are the same, to what measuring can tell
 local doubt = 1.3                          -- what is extrapolated has to be so much cheaper
-local rule = 2                             -- to be raised when the choice is made in another way: what is on file is void
+local rule = 3                             -- to be raised when the choice is made in another way: what is on file is void
 local reference_margin = 10               -- errors this many times the reference's own tell methods apart
 local least_frames = 4
+local most_adaptive = 2                   -- methods that are tried on the whole run beside the first
 local probe_part, start_seconds = 0.15, 0.2 -- of the budget; s, a bound of the start of a process
 
 local function parser()
@@ -148,9 +152,30 @@ end
 -- The step of a setting. The first setting of an explicit method is the step that a run chooses itself, and shortens
 -- when the scene stiffens: no step is then given, unless the scene has its own dt.
 local function step_of(s, b)
-  local own = not s.expected and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
+  local own = not s.expected and not s.refined and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
   if own and b.explained.dt_chosen then return nil end
   return s.setting.dt
+end
+
+-- The first, and of others the cheapest that choose their steps themselves, for these see what comes late.
+local function candidates_for_trial(first, b)
+  local list, adaptive = { first }, 0
+  for _, s in ipairs(ranking(b)) do
+    if s.method ~= first.method and s.setting.tol and adaptive < most_adaptive then
+      list[#list + 1], adaptive = s, adaptive + 1
+    end
+  end
+  return list
+end
+
+-- Returns the candidate that is ok over the whole run, or else the one that came nearest, and words on it.
+local function tried_on_the_whole(first, b, o, whole)
+  local good, count, nearest = trial.first_ok(candidates_for_trial(first, b), {
+    scene = o.scene, params = o.params, trust = o.trust, until_ = o.until_, accuracy = o.accuracy, fps = b.fps,
+    budget = o.budget, times = whole / b.limit, step_of = function(s) return step_of(s, b) end })
+  if count == 0 then return first, "the whole run takes more than measuring may, and was not tried" end
+  if good then return good, ("ok over the whole run, after %d trial%s"):format(count, count > 1 and "s" or "") end
+  return nearest or first, ("none of %d trials of the whole run was ok, and this is expected to be"):format(count)
 end
 
 local function measure(o)
@@ -177,8 +202,12 @@ local function measure(o)
     return nil, ("no integrator came to %.2g m in the first %.3g s, which %g m at %.4g s take: ask less, or name one")
       :format(b.goal.target, b.limit, o.accuracy, whole)
   end
+  local chosen, words = tried_on_the_whole(first, b, o, whole)
+  if chosen.method ~= first.method then second = first end
+  first = chosen
   local text = ("%s; %.1e m may be used up over the first %.3g s of %.4g s"):format(phrase(first, b), b.goal.target,
     b.limit, whole)
+  text = ("%s; %s"):format(text, words)
   if second then text = ("%s; the next is %s"):format(text, phrase(second, b)) end
   if b.goal.target > target then
     text = ("%s; %.1e m were meant to be, and errors below %.1e m cannot be told here"):format(text, target,

@@ -38,7 +38,6 @@ typedef struct arkode {
   double fixed;    /* s, the dt that the user gave; 0: none, ARKODE chooses the steps */
   bool running;    /* whether ARKODE's state is X */
   double planned;  /* s, length of the next step that ARKODE proposes */
-  double most;     /* s, the last h of the host that was shorter than `planned`, a limit of the steps; 0: no limit */
   double t;        /* s, ARKODE's time */
 } arkode;
 
@@ -151,8 +150,8 @@ static hk_status topology(void *self, const hk_view *view) { return set_up(self,
 
 static void reset(void *self, hk_reason why) {
   arkode *m = self;
+  (void)why;
   m->running = false;
-  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 static hk_status start(arkode *m, hk_system *s, double span, double h) {
@@ -186,8 +185,8 @@ static int prepare(arkode *m, const hk_system *s, double t_stop, double h, doubl
   double span = t_stop - s->t;
   *stop = t_stop;
   if (!(m->fixed > 0)) {
-    if (h < m->planned * (1 - 1e-12) && m->planned < INFINITY) m->most = h;
-    double limit = m->most > 0 ? m->most : m->planned < INFINITY ? INFINITY : h;
+    bool limited = h < m->planned * (1 - 1e-12); /* by the host, in this step; later ones may be longer again */
+    double limit = limited ? h : INFINITY;
     if (t_stop - s->t > limit * (1 + 1e-9)) *stop = s->t + limit;
     return ARK(SetStopTime)(m->memory, *stop);
   }

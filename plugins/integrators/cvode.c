@@ -32,8 +32,7 @@ typedef struct cvode {
   N_Vector error, weight; /* NULL without `estimate` */
   bool running;           /* whether CVODE's history is that of X */
   double planned;         /* s, length of the next step that CVODE proposes */
-  double most; /* s, the last h of the host that was shorter than `planned`, a limit of the steps; 0: no limit */
-  double t;    /* s, CVODE's time */
+  double t;               /* s, CVODE's time */
 } cvode;
 
 static const hk_param params[] = {
@@ -160,8 +159,8 @@ static hk_status topology(void *self, const hk_view *view) { return set_up(self,
 
 static void reset(void *self, hk_reason why) {
   cvode *m = self;
+  (void)why;
   m->running = false;
-  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 /* The correction that projects X onto the constraints. CVODE adds it to its history; a projection by the host would
@@ -223,8 +222,8 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
     hk_status status = start(m, s, t_stop - s->t);
     if (status != HK_OK) return status;
   }
-  if (h < m->planned * (1 - 1e-12) && m->planned < INFINITY) m->most = h;
-  double limit = m->most > 0 ? m->most : m->planned < INFINITY ? INFINITY : h;
+  bool limited = h < m->planned * (1 - 1e-12); /* by the host, in this step; later ones may be longer again */
+  double limit = limited ? h : INFINITY;
   if (t_stop - s->t > limit * (1 + 1e-9)) stop = s->t + limit;
   m->running = false;
   int flag = evolve(m, stop);

@@ -45,7 +45,16 @@ void adv_wave_write(const adv_wave *, const char *name, FILE *);
 
 /* ---- Scenes ---- */
 
-typedef enum adv_law { ADV_GRAVITY, ADV_DRAG, ADV_SPRINGS, ADV_ROPES, ADV_CUBIC, ADV_CENTRAL, ADV_MAGNETIC } adv_law;
+typedef enum adv_law {
+  ADV_GRAVITY,
+  ADV_DRAG,
+  ADV_SPRINGS,
+  ADV_ROPES,
+  ADV_CUBIC,
+  ADV_CENTRAL,
+  ADV_MAGNETIC,
+  ADV_BARS /* no force: distances that stay as they are, by multipliers (bars.c) */
+} adv_law;
 
 typedef struct adv_force {
   adv_law law;
@@ -73,6 +82,13 @@ typedef struct adv_pin {
 
 typedef enum adv_kinetics { ADV_NO_CHANNEL, ADV_DECAY, ADV_RELAXATION, ADV_ROBERTSON, ADV_VAN_DER_POL } adv_kinetics;
 
+/* What hooke gets a scene in; the reference keeps to metres, kilograms and seconds. Powers of two, and an offset that
+ * leaves every start a double: both sides have the same scene to the last bit. */
+typedef struct adv_units {
+  double length, mass, time; /* one m, kg, s of the scene in those of hooke */
+  double offset[3];          /* m of the scene */
+} adv_units;
+
 typedef struct adv_scene {
   int family;
   uint64_t seed;
@@ -85,7 +101,13 @@ typedef struct adv_scene {
   double initial[ADV_SIZE], rate[ADV_SIZE];
   double fps, dt, tol; /* dt, tol: NAN: hooke chooses */
   int frames;          /* behind the start; the scene ends with the last */
+  adv_units units;
 } adv_scene;
+
+/* Moves starts onto the grid of doubles that the offset leaves. */
+void adv_round_to_units(adv_scene *);
+/* The scene as hooke gets it, with units of 1. */
+void adv_scene_in_units(const adv_scene *, adv_scene *out);
 
 double adv_scene_end(const adv_scene *);
 void adv_scene_write(const adv_scene *, double accuracy, FILE *);
@@ -122,16 +144,19 @@ typedef struct adv_rope {
 void adv_rates(const adv_system *, adv_real t, const adv_real *y, adv_real *dy);
 void adv_impose(const adv_system *, adv_real t, adv_real *y);
 adv_rope adv_rope_at(const adv_system *, const adv_force *, int edge, adv_real t, const adv_real *y);
+/* Adds the forces of all bars to F: multipliers that keep accelerations along bars at -u^2 (bars.c). Of pins, those
+ * that stand still and those that slide. */
+void adv_add_bars(const adv_system *, const adv_real *y, adv_real *F);
 /* The longest step in which nothing can be passed over, from where particles are. */
 adv_real adv_longest_step(const adv_system *, adv_real t, const adv_real *y);
 
 typedef struct adv_answer {
-  adv_real *x;        /* (frames + 1) x n x 3 */
-  adv_real *c;        /* (frames + 1) x n x size */
-  double uncertainty; /* m, largest of all frames, RMS; INFINITY: not reached */
-  double growth;      /* of a disturbance of the start */
-  double extent;      /* m, largest RMS distance from the start */
-  double channel_extent, channel_uncertainty;
+  adv_real *x;                                                /* (frames + 1) x n x 3 */
+  adv_real *c;                                                /* (frames + 1) x n x size */
+  double uncertainty;                                         /* m, largest of all frames, RMS; INFINITY: not reached */
+  double growth;                                              /* of a disturbance of the start */
+  double extent;                                              /* m, largest RMS distance from the start */
+  double channel_extent, channel_change, channel_uncertainty; /* largest value; largest distance from the start */
 } adv_answer;
 
 /* False without memory. */
@@ -152,7 +177,8 @@ typedef struct adv_run {
   char verdict[24], reason[600];
   double error, bound, uncertainty; /* m; the error is the largest of all frames */
   double last;                      /* m, the error at the end */
-  double channel;                   /* largest error of a channel over its largest value */
+  double luck;                      /* m: what the rounding of the start in doubles grows to */
+  double channel, of_change;        /* largest error of a channel over its largest value; over its largest change */
 } adv_run;
 
 /* Runs `hooke run` on the scene in the folder and measures the error; the run's method and accuracy are given. */
@@ -160,7 +186,8 @@ void adv_run_make(adv_run *, const char *hooke, const char *folder, const adv_sc
 
 bool adv_run_certain(const adv_run *); /* the reference is good enough to judge it */
 bool adv_run_wrong(const adv_run *);   /* beyond its bound; a channel: by as much as it is large */
-bool adv_run_right(const adv_run *);   /* within its bound; a channel: up to a tenth */
+bool adv_run_right(const adv_run *);   /* within its bound; a channel: up to a tenth of its change */
+bool adv_run_lucky(const adv_run *); /* right, where the rounding of doubles decides: an alarm is none that is false */
 
 typedef struct adv_options {
   const char *hooke, *families, *methods, *accuracies; /* lists with commas; NULL: all */

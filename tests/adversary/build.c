@@ -6,11 +6,12 @@
 #include <string.h>
 
 const adv_family adv_families[] = {
-    {"rope", adv_make_rope},         {"kepler", adv_make_kepler},   {"ringing", adv_make_ringing},
-    {"light", adv_make_light},       {"shaking", adv_make_shaking}, {"pulses", adv_make_pulses},
-    {"flyby", adv_make_flyby},       {"wells", adv_make_wells},     {"late", adv_make_late},
-    {"channels", adv_make_channels}, {"plain", adv_make_plain},     {"network", adv_make_network},
-    {"tumbling", adv_make_tumbling},
+    {"rope", adv_make_rope},         {"kepler", adv_make_kepler},         {"ringing", adv_make_ringing},
+    {"light", adv_make_light},       {"shaking", adv_make_shaking},       {"pulses", adv_make_pulses},
+    {"flyby", adv_make_flyby},       {"wells", adv_make_wells},           {"late", adv_make_late},
+    {"channels", adv_make_channels}, {"plain", adv_make_plain},           {"network", adv_make_network},
+    {"tumbling", adv_make_tumbling}, {"parametric", adv_make_parametric}, {"buckling", adv_make_buckling},
+    {"bars", adv_make_bars},         {"turns", adv_make_turns},           {"units", adv_make_units},
 };
 const int adv_families_count = sizeof adv_families / sizeof *adv_families;
 
@@ -18,6 +19,7 @@ void adv_scene_make(adv_scene *s, int family, uint64_t seed) {
   uint64_t state = seed + (uint64_t)family * 0x632be59bd9b4e019u;
   memset(s, 0, sizeof *s);
   s->family = family, s->seed = seed, s->dt = NAN, s->tol = NAN;
+  s->units = (adv_units){1, 1, 1, {0}};
   adv_families[family].make(s, &state);
   if (adv_chance(&state, 0.4)) s->tol = adv_log(&state, 1e-10, 1e-2);
 }

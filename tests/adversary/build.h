@@ -30,5 +30,10 @@ void adv_make_late(adv_scene *, uint64_t *);
 void adv_make_channels(adv_scene *, uint64_t *);
 void adv_make_plain(adv_scene *, uint64_t *);
 void adv_make_network(adv_scene *, uint64_t *);
+void adv_make_parametric(adv_scene *, uint64_t *);
+void adv_make_buckling(adv_scene *, uint64_t *);
+void adv_make_bars(adv_scene *, uint64_t *);
+void adv_make_turns(adv_scene *, uint64_t *);
+void adv_make_units(adv_scene *, uint64_t *);
 
 #endif

@@ -128,12 +128,13 @@ void adv_rates(const adv_system *s, adv_real t, const adv_real *from, adv_real *
   adv_impose(s, t, y);
   for (int k = 0; k < m->forces; k++) {
     const adv_force *f = &m->force[k];
-    if (!acts(s, f)) continue;
+    if (!acts(s, f) || f->law == ADV_BARS) continue;
     if (f->edges > 0)
       add_edges(s, f, y, v, F);
     else
       add_each(s, f, t, y, v, F);
   }
+  adv_add_bars(s, y, F);
   for (int e = 0; e < 3 * n; e++) dy[e] = v[e], dy[3 * n + e] = F[e] / m->mass[e / 3];
   for (int k = 0; k < m->pins; k++)
     for (int c = 0; c < 3 && held(s, &m->pin[k]); c++) {

@@ -262,6 +262,7 @@ bool adv_answer_make(adv_answer *a, const adv_scene *m) {
     a->extent = largest_difference(a->x, a->x, frames, each, m->n, true);
     a->channel_extent = 0;
     for (int k = 0; k < frames * others; k++) a->channel_extent = fmax(a->channel_extent, (double)fabsl(a->c[k]));
+    a->channel_change = largest_difference(a->c, a->c, frames, others, m->n, true);
     a->channel_uncertainty = largest_difference(y, a->c, frames, others, m->n, false);
   }
   free(c.t), free(x), free(y);

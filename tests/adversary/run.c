@@ -12,8 +12,10 @@
 
 enum { CPU_SECONDS = 10 };
 /* Without an accuracy a run is wrong beyond this part of the way. An accuracy says nothing about channels: one is right
- * up to this part of its largest value, and wrong only where nothing of it is left. */
+ * up to this part of its change, as hooke has it, and wrong only where nothing of it is left. */
 static const double visible = 0.1;
+/* Of the size of the scene: what every run of hooke is uncertain by, a start that is rounded in each of many steps. */
+static const double rounding = 1e-14;
 
 static void redirect(const char *path, int to) {
   int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -65,12 +67,14 @@ static bool frame_errors(const char *row, const adv_scene *s, const adv_answer *
   adv_real sums[2] = {0};
   int count[2] = {3 * s->n, s->n * s->size};
   const adv_real *known[2] = {a->x + frame * count[0], a->c + frame * count[1]};
-  double t = strtod(row, &end);
+  double t = strtod(row, &end) / s->units.time;
   if (fabs(t * s->fps - frame) > 1e-6) return false;
   for (int part = 0; part < 2; part++)
     for (int e = 0; e < count[part]; e++) {
       if (*end != ',') return false;
-      adv_real off = strtod(end + 1, &end) - known[part][e];
+      adv_real read = strtod(end + 1, &end);
+      if (part == 0) read = read / s->units.length - s->units.offset[e % 3];
+      adv_real off = read - known[part][e];
       sums[part] += off * off;
     }
   for (int part = 0; part < 2; part++)
@@ -113,6 +117,14 @@ static adv_end end_of(int code, const char *verdict) {
   return code == 3 || code == 5 ? ADV_NOT_OK : ADV_BROKEN;
 }
 
+/* m, over which the particles are spread at the start, and 1 m at least. */
+static double size_of(const adv_scene *s) {
+  double size = 1;
+  for (int i = 1; i < s->n; i++)
+    for (int c = 0; c < 3; c++) size = fmax(size, fabs(s->x[i][c] - s->x[0][c]));
+  return size;
+}
+
 void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_scene *s, const adv_answer *a) {
   char json[1 << 16];
   r->family = s->family, r->seed = s->seed, r->dt = s->dt;
@@ -120,6 +132,7 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   r->error = r->last = INFINITY;
   r->bound = isfinite(r->accuracy) ? r->accuracy : visible * a->extent;
   r->uncertainty = a->uncertainty;
+  r->luck = rounding * a->growth * size_of(s);
   if (s->size > 0 && a->channel_uncertainty > visible / 100 * a->channel_extent) r->uncertainty = INFINITY;
   if (!prepare(folder, s, r->accuracy)) return;
   int code = run_hooke(hooke, folder, r->method);
@@ -131,10 +144,13 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   errors e = measure(folder, s, a);
   r->error = e.motion, r->last = e.last;
   r->channel = s->size > 0 ? e.channel / a->channel_extent : 0;
+  r->of_change = s->size > 0 ? e.channel / a->channel_change : 0;
 }
 
 bool adv_run_certain(const adv_run *r) { return r->uncertainty <= r->bound / 100; }
 
 bool adv_run_wrong(const adv_run *r) { return r->error > r->bound + r->uncertainty || r->channel > 1; }
 
-bool adv_run_right(const adv_run *r) { return r->error <= r->bound + r->uncertainty && r->channel <= visible; }
+bool adv_run_right(const adv_run *r) { return r->error <= r->bound + r->uncertainty && r->of_change <= visible; }
+
+bool adv_run_lucky(const adv_run *r) { return adv_run_right(r) && r->luck > r->bound; }

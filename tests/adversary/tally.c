@@ -134,6 +134,10 @@ static void count(adv_tally *t, const adv_run *r) {
     return;
   }
   bool wrong = adv_run_wrong(r), right = adv_run_right(r);
+  if (r->end == ADV_NOT_OK && adv_run_lucky(r)) {
+    t->uncertain++;
+    return;
+  }
   t->right += r->end == ADV_OK && !wrong;
   t->wrong += r->end == ADV_OK && wrong;
   t->rightly += r->end == ADV_NOT_OK && !right;
@@ -203,7 +207,7 @@ static void print_lists(const plan *p) {
          asked = isfinite(r->accuracy);
     if (r->end == ADV_BROKEN && r->uncertainty < INFINITY) print_run("BROKEN", r);
     if (certain && r->end == ADV_OK && wrong) print_run(asked ? "OK AND WRONG" : "ok and wrong, no accuracy", r);
-    if (certain && r->end == ADV_NOT_OK && right && p->o->alarms) print_run("false alarm", r);
+    if (certain && r->end == ADV_NOT_OK && right && !adv_run_lucky(r) && p->o->alarms) print_run("false alarm", r);
     if (p->o->one || p->o->all) print_run("run", r);
   }
 }

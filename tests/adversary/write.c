@@ -33,12 +33,21 @@ static void write_timed(const char *key, const adv_vector *v, int wave, FILE *ou
   fprintf(out, " } end");
 }
 
-static void write_edges(const adv_force *f, FILE *out) {
-  fprintf(out, ", edges = {");
+static void write_pairs(const adv_force *f, const char *length, FILE *out) {
+  fprintf(out, "edges = {");
   for (int e = 0; e < f->edges; e++) fprintf(out, " { %d, %d },", f->edge[e][0] + 1, f->edge[e][1] + 1);
-  fprintf(out, " }, rest = {");
+  fprintf(out, " }, %s = {", length);
   for (int e = 0; e < f->edges; e++) fprintf(out, " %.17g,", f->rest[e]);
-  fprintf(out, " }, k = %.17g", f->k);
+  fprintf(out, " }");
+}
+
+static void write_bars(const adv_force *f, FILE *out) {
+  fprintf(out, "scene:constraint('bars', { "), write_pairs(f, "length", out), fprintf(out, " })\n");
+}
+
+static void write_edges(const adv_force *f, FILE *out) {
+  fprintf(out, ", "), write_pairs(f, "rest", out);
+  fprintf(out, ", k = %.17g", f->k);
   if (f->law != ADV_CUBIC) fprintf(out, ", damping = %.17g", f->damping);
 }
 
@@ -54,6 +63,10 @@ static void write_central(const adv_force *f, int centre, int strength, FILE *ou
 
 static void write_force(const adv_scene *s, const adv_force *f, int *waves, FILE *out) {
   static const char *const names[] = {"gravity", "drag", "springs", "ropes", "cubic_springs", "central", "magnetic"};
+  if (f->law == ADV_BARS) {
+    write_bars(f, out);
+    return;
+  }
   bool timed = f->law == ADV_GRAVITY || f->law == ADV_CENTRAL || f->law == ADV_MAGNETIC;
   if (timed) write_wave(&f->vector.wave, waves, out);
   int vector = *waves;
@@ -82,6 +95,8 @@ static void write_force(const adv_scene *s, const adv_force *f, int *waves, FILE
   case ADV_ROPES:
   case ADV_CUBIC:
     write_edges(f, out);
+    break;
+  case ADV_BARS:
     break;
   }
   fprintf(out, " })\n");
@@ -131,8 +146,11 @@ static void write_measures(const adv_scene *s, FILE *out) {
               i, c, i, c);
 }
 
-void adv_scene_write(const adv_scene *s, double accuracy, FILE *out) {
+void adv_scene_write(const adv_scene *from, double accuracy, FILE *out) {
   int waves = 0;
+  adv_scene scaled, *s = &scaled;
+  adv_scene_in_units(from, s);
+  accuracy *= from->units.length;
   fprintf(out, "local scene = hooke.scene { duration = %.17g, fps = %.17g", adv_scene_end(s), s->fps);
   if (isfinite(s->dt)) fprintf(out, ", dt = %.17g", s->dt);
   if (isfinite(s->tol)) fprintf(out, ", tol = %.17g", s->tol);

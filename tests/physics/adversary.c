@@ -19,7 +19,7 @@ static uint64_t first_seed = 1;
 
 static void set_end(adv_scene *s, double fps, int frames) { s->fps = fps, s->frames = frames; }
 
-static adv_scene empty_scene(void) { return (adv_scene){.dt = NAN, .tol = NAN}; }
+static adv_scene empty_scene(void) { return (adv_scene){.dt = NAN, .tol = NAN, .units = {1, 1, 1, {0}}}; }
 
 /* One particle, or the second one, is at exact(t). */
 static void compare(const adv_scene *s, int particle, void (*exact)(const adv_scene *, adv_real, adv_real[3])) {
@@ -150,7 +150,46 @@ static void reference_follows_a_pin_that_is_snatched(void **state) {
   compare(&s, 1, snatched);
 }
 
+/* Two masses on a bar in free flight turn about their centre steadily. */
+static void dumbbell(const adv_scene *s, adv_real t, adv_real x[3]) {
+  adv_real m1 = s->mass[0], m2 = s->mass[1], L = s->x[1][0], w = s->v[1][1] / L, centre = m2 / (m1 + m2) * L;
+  adv_real r = L - centre, drift = m2 * s->v[1][1] / (m1 + m2);
+  x[0] = centre + r * cosl(w * t), x[1] = drift * t + r * sinl(w * t), x[2] = 0;
+}
+
+static void reference_follows_a_dumbbell(void **state) {
+  (void)state;
+  adv_scene s = empty_scene();
+  double at[3] = {0}, x[3] = {0.75}, v[3] = {0, 4.5};
+  adv_add_particle(&s, 3, at, NULL), adv_add_particle(&s, 0.5, x, v);
+  adv_add_edge(&s, adv_add_force(&s, ADV_BARS), 0, 1, 0);
+  set_end(&s, 50, 60);
+  compare(&s, 1, dumbbell);
+}
+
 /* ---- The harness ---- */
+
+/* Powers of two round nothing, so a run in other units has the same error to the last bit. */
+static void other_units_leave_the_error_as_it_is(void **state) {
+  (void)state;
+  adv_scene s = empty_scene();
+  adv_answer a;
+  adv_run r[2] = {{.method = "leapfrog", .accuracy = 1e-3}, {.method = "leapfrog", .accuracy = 1e-3}};
+  double at[3] = {0}, x[3] = {1};
+  adv_add_particle(&s, 1, at, NULL), adv_add_particle(&s, 0.5, x, NULL);
+  adv_add_pin(&s, 0, ADV_FIXED);
+  adv_add_spring(&s, ADV_SPRINGS, 0, 1, 100, 0.25, -0.25);
+  adv_add_gravity(&s, 0, 0, -2), adv_add_drag(&s, 0.5);
+  s.dt = 0x1p-10, s.units = (adv_units){1, 1, 1, {0}};
+  set_end(&s, 64, 32);
+  assert_true(adv_answer_make(&a, &s));
+  adv_run_make(&r[0], HK_BUILD "/hooke", test_folder(), &s, &a);
+  s.units = (adv_units){0x1p-30, 0x1p20, 0x1p-10, {0}};
+  adv_run_make(&r[1], HK_BUILD "/hooke", test_folder(), &s, &a);
+  assert_true(r[0].end == ADV_OK && r[1].end == ADV_OK && r[0].error > 1e-8);
+  assert_true(fabs(r[0].error - r[1].error) < 1e-13);
+  adv_answer_free(&a);
+}
 
 /* Free flight is right to rounding; the answer is moved by 0.3 m in one frame. */
 static void the_largest_error_of_all_frames_counts(void **state) {
@@ -193,6 +232,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(reference_follows_a_gyration),
       cmocka_unit_test(reference_follows_a_fall_into_a_rope),
       cmocka_unit_test(reference_follows_a_pin_that_is_snatched),
+      cmocka_unit_test(reference_follows_a_dumbbell),
+      cmocka_unit_test(other_units_leave_the_error_as_it_is),
       cmocka_unit_test(the_largest_error_of_all_frames_counts),
       cmocka_unit_test(nothing_wrong_is_called_ok),
   };

@@ -111,6 +111,22 @@ static void a_cloth_is_right_to_the_accuracy_in_the_end(void **state) {
   assert_true(test_json(r.out, "verify_difference") <= 0.5e-3);
 }
 
+/* A mass falls freely until its rope comes taut, beyond what two methods agree on in the pilot: any step is right
+ * there. */
+static void a_rope_that_comes_taut_late_is_foreseen(void **state) {
+  (void)state;
+  test_write("late.lua", "local scene = hooke.scene { duration = 1.2, fps = 60, accuracy = 1e-4 }\n"
+                         "scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+                         "scene:particle { position = { 0.2, 0, -0.1 }, mass = 2 }\n"
+                         "scene:pin { 1 }\n"
+                         "scene:force('gravity')\n"
+                         "scene:force('ropes', { edges = { { 1, 2 } }, rest = 1.5, k = 4000, damping = 20 })\n"
+                         "return scene\n");
+  hooke("run late.lua --integrator auto --json --no-output");
+  expect(0, "over the whole run");
+  assert_true(test_json(r.out, "error_estimate") <= 1e-4);
+}
+
 /* The double pendulum for 60 s: no method can, and the verdict says so. */
 static void what_is_not_determined_is_not_promised(void **state) {
   (void)state;
@@ -128,6 +144,7 @@ int main(void) {
       cmocka_unit_test(the_choice_is_made_anew_when_a_module_changes),
       cmocka_unit_test(a_scene_asks_for_it_itself),
       cmocka_unit_test(a_cloth_is_right_to_the_accuracy_in_the_end),
+      cmocka_unit_test(a_rope_that_comes_taut_late_is_foreseen),
       cmocka_unit_test(what_is_not_determined_is_not_promised),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -252,7 +252,8 @@ typedef struct hk_limits {
                      symplectic method at 0.9 of its stable limit stays below it on cloth */
   double mean_energy; /* of the mean kinetic energy */
   double unresolved;  /* of the extent, in a step */
-  double violation;   /* m, of constraints */
+  double violation;   /* m, of constraints, but no more than `violated` and no less than `rounding` of the extent */
+  double violated;    /* of the extent */
   double tolerance;   /* largest error estimate of a step relative to its tolerance */
   double rounding;    /* of the extent: what stands still has no motion to compare with */
 } hk_limits;

@@ -2,8 +2,13 @@
  * other runs showed. It asks nothing of the run and prints nothing; findings.c has the words. */
 #include "core/run/judge/judge.h"
 
-const hk_limits hk_limit = {
-    .visible = 0.1, .mean_energy = 0.5, .unresolved = 0.1, .violation = 1e-6, .tolerance = 1 + 1e-9, .rounding = 1e-9};
+const hk_limits hk_limit = {.visible = 0.1,
+                            .mean_energy = 0.5,
+                            .unresolved = 0.1,
+                            .violation = 1e-6,
+                            .violated = 1e-5,
+                            .tolerance = 1 + 1e-9,
+                            .rounding = 1e-9};
 
 double hk_energy_rounding(const hk_summary *s) {
   return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max) + s->kinetic_rounding;
@@ -109,13 +114,18 @@ static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_
   if (!c->tried && c->sampling.varies && c->sampling.where) find(o, HK_PULSE, c->sampling.shortest, NAN, 0);
 }
 
+/* m: a micrometre, unless that is much of the scene, or less than its coordinates can hold. */
+static double most_violation(const hk_evidence *e) {
+  return fmin(fmax(hk_limit.violation, hk_limit.rounding * e->extent), hk_limit.violated * e->extent);
+}
+
 hk_opinion hk_verdict_find(const hk_evidence *e, const hk_comparisons *c) {
   hk_opinion o = {.verdict = HK_VERDICT_OK};
   const hk_record *r = e->record;
   if (!hk_confirmed(c)) judge_figures(e, c, &o);
   judge_contact_energy(e, c, &o);
   judge_exact(e, &o);
-  if (r->violation_max > hk_limit.violation) find(&o, HK_VIOLATION, r->violation_max, NAN, 0);
+  if (r->violation_max > most_violation(e)) find(&o, HK_VIOLATION, r->violation_max, NAN, 0);
   if (r->intersecting > 0 || r->intersections[1] > 0) find(&o, HK_INTERSECTIONS, NAN, NAN, 0);
   if (e->exact_failed) find(&o, HK_EXACT_FAILED, NAN, NAN, 0);
   judge_comparisons(e, c, &o);

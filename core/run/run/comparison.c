@@ -2,6 +2,7 @@
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/comparison.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,11 @@ static const double margin = 2, no_order = 0.75, /* the ratio of two distances a
     beginning_part = 0.125, /* of the run, for a reference that cannot be had for all of it */
     seen = 1e-4,            /* of the accuracy: a distance that shows an order */
     stricter = 1e-3,        /* the tolerance of a second reference, relative to the first */
+    drift_margin = 4,       /* errors that add up grow in proportion to time, and some with its square */
     reserve = 0.98;         /* what an estimate leaves of the accuracy, for its own error */
+
+/* The first frame is late where it is beyond this part of the run. */
+static const double sparse = 1.0 / 64;
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -137,10 +142,10 @@ static double order_of(const hk_comparison *c, double error, double error_of_hal
 }
 
 /* A reference that has passed by a force of short range is none. */
-static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
+static bool use_reference(hk_comparison *c, const hk_comparison_run *reference) {
   measure_by(c, &reference->trajectory, reference->reach);
   hk_distance d = distance(c, NULL, reference, INFINITY);
-  if (isnan(d.position) || reference->missed > c->accuracy) return;
+  if (isnan(d.position) || reference->missed > c->accuracy) return false;
   c->has_reference = true;
   c->worst = d;
   c->error = relative(c, &d) / reference->reserve;
@@ -151,6 +156,7 @@ static void use_reference(hk_comparison *c, const hk_comparison_run *reference) 
   }
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by %.1g of the extent",
            reference->method, reference->tol, reference->perturbation);
+  return true;
 }
 
 /* Functions that vibrate limit the steps. */
@@ -162,11 +168,12 @@ static bool run_reference(const hk_comparison *c, hk_reference want, hk_comparis
   return hk_reference_take(c->loader, &o, c->whole, &want, reference);
 }
 
-static void take_reference(hk_comparison *c, hk_reference want) {
+static bool take_reference(hk_comparison *c, hk_reference want) {
   hk_comparison_run reference;
-  if (!run_reference(c, want, &reference)) return;
-  use_reference(c, &reference);
+  if (!run_reference(c, want, &reference)) return false;
+  bool used = use_reference(c, &reference);
   hk_trajectory_free(&reference.trajectory);
+  return used;
 }
 
 /* 1/s, the largest frequency that is known; of implicit runs, which need none, it is estimated here, since without it
@@ -183,8 +190,47 @@ static double frequency(const hk_comparison *c) {
   return status == HK_OK ? found.w_reached : 0;
 }
 
+static hk_reference wanted(const hk_comparison *c, hk_effort effort) {
+  return (hk_reference){.relative = strictest(c), .dt_most = INFINITY, .frequency = frequency(c), .effort = effort};
+}
+
 void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
-  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse, 0});
+  if (c->has_reference) return;
+  hk_reference want = wanted(c, effort);
+  want.coarse = coarse;
+  take_reference(c, want);
+}
+
+/* Frames are the moments that can be compared. Where even the first one is too late for a reference, nothing says that
+ * the phase is not lost; with impacts or births there is no reference of any part. */
+static bool frames_are_sparse(const hk_comparison *c) {
+  const hk_plugins *plugins = &c->whole->plugins;
+  double first = hk_trajectory_time(&c->whole->judgement.trajectory, DBL_EPSILON);
+  bool possible = !plugins->kind[HK_CORRECTOR].count && !plugins->kind[HK_SOURCE].count;
+  return possible && first > sparse * c->whole->state.t;
+}
+
+static hk_reference beginning(const hk_comparison *c, hk_effort effort) {
+  hk_reference want = wanted(c, effort);
+  want.coarse = true;
+  want.beginning = beginning_part;
+  return want;
+}
+
+/* The distance from a reference of the beginning, up to its end, *until. */
+static hk_distance distance_at_first(hk_comparison *c, const hk_comparison_run *reference, double *until) {
+  const hk_trajectory *own = &c->whole->judgement.trajectory;
+  *until = hk_trajectory_time(&reference->trajectory, 1);
+  return hk_trajectory_distance(own, &reference->trajectory, c->whole->scene, c->channel, 0, *until);
+}
+
+bool hk_comparison_may_drift(hk_comparison *c, hk_effort effort) {
+  hk_comparison_run first;
+  double until;
+  if (!run_reference(c, beginning(c, effort), &first)) return frames_are_sparse(c);
+  hk_distance d = distance_at_first(c, &first, &until);
+  hk_trajectory_free(&first.trajectory);
+  return until > 0 && drift_margin * c->whole->state.t / until * relative(c, &d) > 1;
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
@@ -195,15 +241,23 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
 }
 
 /* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
- * grow. The second has steps no longer than the run's. */
+ * grow. The second has steps no longer than the run's; where those are too many, as of a method of high order, one that
+ * chooses its steps still shows errors that grew. */
 void hk_comparison_tie_break(hk_comparison *c, hk_effort effort) {
-  if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(c,
-                   (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings, effort, false, 0});
+  if (!(c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))) return;
+  hk_reference want = {.relative = strictest(c) * stricter,
+                       .dt_most = c->whole->record.dt_max,
+                       .frequency = c->half.swings,
+                       .effort = effort};
+  if (take_reference(c, want)) return;
+  want.dt_most = INFINITY;
+  take_reference(c, want);
 }
 
 void hk_comparison_sharpen(hk_comparison *c, hk_effort effort) {
-  take_reference(c, (hk_reference){strictest(c) * stricter, INFINITY, frequency(c), effort, false, 0});
+  hk_reference want = wanted(c, effort);
+  want.relative *= stricter;
+  take_reference(c, want);
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
@@ -218,12 +272,10 @@ void hk_comparison_use_half(hk_comparison *c) {
 /* A beginning that agrees proves nothing of what follows: the error is then that by half the step. */
 void hk_comparison_use_beginning(hk_comparison *c, hk_effort effort) {
   hk_comparison_run reference;
-  hk_reference want = {strictest(c), INFINITY, frequency(c), effort, true, beginning_part};
-  double decay = c->half.damping * c->whole->state.t / 2; /* of the scene's own swings, by the end, at most */
-  if ((c->whole->asked.at_end && !(decay < log(2))) || !run_reference(c, want, &reference)) return;
-  double until = hk_trajectory_time(&reference.trajectory, 1);
-  const hk_trajectory *own = &c->whole->judgement.trajectory;
-  hk_distance d = hk_trajectory_distance(own, &reference.trajectory, c->whole->scene, c->channel, 0, until);
+  double until, decay = c->half.damping * c->whole->state.t / 2; /* of the scene's own swings, by the end, at most */
+  if (c->whole->asked.at_end && !(decay < log(2))) return;
+  if (!run_reference(c, beginning(c, effort), &reference)) return;
+  hk_distance d = distance_at_first(c, &reference, &until);
   double error = relative(c, &d) / reference.reserve;
   if (error > 1 && error > c->error && !(reference.missed > c->accuracy)) {
     c->has_reference = true;

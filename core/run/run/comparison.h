@@ -47,6 +47,9 @@ void hk_comparison_use_beginning(hk_comparison *, hk_effort);
 void hk_comparison_tie_break(hk_comparison *, hk_effort);
 /* The error by a stricter reference in its place, where the effort allows one: it may be the one that is wrong. */
 void hk_comparison_sharpen(hk_comparison *, hk_effort);
+/* Where there is no reference of the whole run: whether one of its first part says that errors which add up may be
+ * beyond what is asked at the end. */
+bool hk_comparison_may_drift(hk_comparison *, hk_effort);
 /* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
  */
 bool hk_comparison_agrees(const hk_comparison *, double times);

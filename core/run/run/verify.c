@@ -14,7 +14,9 @@
  *    then seen to be lost.
  *
  * Where no accuracy is asked for there is 2. alone, for a fifth of the run's cost; if it disagrees, once more with a
- * smaller tolerance. 3. is for tiny scenes, whose figures speak against them.
+ * smaller tolerance. 3. is for tiny scenes, whose figures speak against them. Where 2. is too dear, as of many turns,
+ * one of the first part shows whether errors that add up may be visible at the end; then a larger effort, or half the
+ * step, decides.
  *
  * All are compared at all frames (hk_trajectory), or at the end where the scene says so. The other runs end steps where
  * a function of time changes fast (judge/under_sampled.c), so that they do not step over what the run stepped over. */
@@ -22,6 +24,9 @@
 #include "core/engine/text/text.h"
 
 #include <string.h>
+
+/* Evaluations times particles: some seconds; and errors add up over a thousand steps. */
+static const double worth_seconds = 2e7, many_steps = 1000;
 
 /* The channel whose error is the worst of all; NULL: that of the positions is. */
 static const hk_channel_spec *worst_channel(const hk_comparison *c) {
@@ -47,7 +52,8 @@ static bool judge(hk_comparison *c) {
   found->channel_accuracy = channel && channel->accuracy > 0 ? channel->accuracy : 0;
   if (c->summary->accuracies > (c->summary->accuracy > 0)) found->channel_error = c->worst.channel;
   found->energy_converges = c->compared && hk_comparison_energy_converges(c);
-  found->damped = c->has_reference || !c->compared ? 0 : hk_comparison_damped_energy(c);
+  bool own = !c->has_reference && c->compared && c->summary->accuracies > 0;
+  found->damped = own ? hk_comparison_damped_energy(c) : 0;
   memcpy(found->how, c->how, sizeof found->how);
   hk_judge(&run->loop, &run->judgement, &run->asked);
   return run->judgement.verdict == HK_VERDICT_OK;
@@ -83,25 +89,44 @@ static bool take_half_in_defence(hk_comparison *c) {
   return c->compared;
 }
 
+/* Whether a larger effort is no more than some seconds. */
+static bool is_short(const hk_run *run) {
+  return (double)run->dynamics.count.evaluations * (double)run->state.model.n <= worth_seconds;
+}
+
+/* The first part of the run lets one doubt its end. Where the run is worth seconds, so is the answer. */
+static void settle_doubt(hk_comparison *c) {
+  hk_error error = {0};
+  if (!is_short(c->whole) || (double)c->whole->record.steps < many_steps) return;
+  if (!hk_comparison_may_drift(c, HK_EFFORT_LEAST)) return;
+  hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
+  if (!c->has_reference) hk_comparison_take_half(c, &error);
+  if (!c->has_reference && c->compared) hk_comparison_use_half(c);
+}
+
 /* What functions of time do between evaluations counts; energies that are not balanced may be a few large numbers of
- * steps that damp, while the positions are right. */
+ * steps that damp, while the positions are right. A larger effort, or half the step, may defend the run. */
 static void judge_without_reference(hk_comparison *c) {
   hk_run *run = c->whole;
   hk_judge(&run->loop, &run->judgement, &run->asked);
-  if (run->judgement.verdict != HK_INACCURATE || !take_half_in_defence(c)) return;
-  hk_comparison_use_half(c);
-  if (c->error > 1 && hk_comparison_agrees(c, 1)) hk_comparison_use_order(c);
-  if (c->error <= 1) judge(c);
+  if (run->judgement.verdict != HK_INACCURATE) return;
+  if (is_short(run)) hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
+  if (!c->has_reference && take_half_in_defence(c)) {
+    hk_comparison_use_half(c);
+    if (c->error > 1 && hk_comparison_agrees(c, 1)) hk_comparison_use_order(c);
+  }
+  if (c->has_reference || c->error <= 1) judge(c);
 }
 
 /* Where none was. */
 static void judge_motion(hk_comparison *c) {
   hk_comparison_reference(c, HK_EFFORT_LEAST, true);
-  if (!c->has_reference) {
+  if (!c->has_reference) settle_doubt(c);
+  if (!c->has_reference && !c->compared) {
     judge_without_reference(c);
     return;
   }
-  if (c->error > 1) hk_comparison_sharpen(c, HK_EFFORT_LEAST);
+  if (c->has_reference && c->error > 1) hk_comparison_sharpen(c, HK_EFFORT_LEAST);
   if (c->error > 1 && take_half_in_defence(c)) hk_comparison_tie_break(c, HK_EFFORT_SMALL);
   judge(c);
 }

@@ -51,8 +51,19 @@ static void weigh(double h, double s, double once[ROWS], double twice[ROWS]) {
 
 void hk_radau_place(const double *B, const hk_system *sys, double h, int k, const double *X, const double *lost,
                     double *to) {
+  hk_radau_place_at(B, sys, h, hk_radau_node[k], X, lost, to);
+}
+
+double hk_radau_slope(const double *B, size_t length, size_t e, double s) {
+  double sum = 0;
+  for (size_t j = ROWS; j-- > 0;) sum = sum * s + B[j * length + e];
+  return sum;
+}
+
+void hk_radau_place_at(const double *B, const hk_system *sys, double h, double s, const double *X, const double *lost,
+                       double *to) {
   size_t m = 3 * sys->n, length = sys->size - m;
-  double s = hk_radau_node[k], once[ROWS], twice[ROWS];
+  double once[ROWS], twice[ROWS];
   weigh(h, s, once, twice);
   sum_rows(to, X, lost, X + m, h * s, twice, B, length, 0, m);
   sum_rows(to + m, X + m, lost + m, NULL, 0, once, B, length, 0, length); /* velocities, channels and work */

@@ -23,6 +23,10 @@ extern const double hk_radau_node[HK_RADAU_ROWS]; /* 0 first, then s of each nod
  * it the forces of all nodes of a step would be those of a state that is off by the same rounding. */
 void hk_radau_place(const double *B, const hk_system *, double h, int k, const double *X, const double *lost,
                     double *to);
+/* The same at any s, and the slope there, of which there are `length` numbers. */
+void hk_radau_place_at(const double *B, const hk_system *, double h, double s, const double *X, const double *lost,
+                       double *to);
+double hk_radau_slope(const double *B, size_t length, size_t e, double s); /* number e of the slope at s */
 /* Takes the slope found at node k = 1 .. 7 into B and G. */
 void hk_radau_refine(double *B, double *G, size_t length, int k, const double *slope);
 /* G of the polynomial B. */

@@ -64,6 +64,16 @@ static void nothing_found_is_ok(void **state) {
   is_ok(&e);
 }
 
+/* Bars of 10 nm and of a parsec. */
+static void a_violation_is_measured_by_the_scene(void **state) {
+  (void)state;
+  evidence e = good();
+  e.given.extent = e.given.motion = 1e-8, e.record.violation_max = 9e-8, has_only(&e, HK_VIOLATION, NAN);
+  e.record.violation_max = 9e-14, is_ok(&e);
+  e.given.extent = e.given.motion = 3e16, e.record.violation_max = 1e5, is_ok(&e);
+  e.record.violation_max = 1e8, has_only(&e, HK_VIOLATION, NAN);
+}
+
 static void each_figure_above_its_limit_is_one_finding(void **state) {
   (void)state;
   evidence e = good();
@@ -142,6 +152,7 @@ static void the_same_evidence_is_the_same_verdict(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nothing_found_is_ok),
+      cmocka_unit_test(a_violation_is_measured_by_the_scene),
       cmocka_unit_test(each_figure_above_its_limit_is_one_finding),
       cmocka_unit_test(a_method_that_was_chosen_to_damp_may_damp),
       cmocka_unit_test(an_accuracy_is_held_against_every_error),

@@ -113,6 +113,49 @@ static void work_of_damping_that_is_overcounted_is_no_fault(void **state) {
   assert_true(estimated("chain.lua", "--dt 0.2"));
 }
 
+/* Kepler's circle for 1,000 turns at steps of a hundredth: a method of order 2 lags by turns, a reference of the whole
+ * is dearer than the run, and one of the first part tells. Of a method of order 8 it tells nothing. */
+static void a_phase_that_is_lost_over_many_turns_is_seen(void **state) {
+  (void)state;
+  test_write("turns.lua", "local turns = param('turns', 1000, 'around the star')\n"
+                          "local frames = param('frames', 24, 'of the run')\n"
+                          "local scene = hooke.scene { duration = turns, fps = frames / turns, dt = 0.01 }\n"
+                          "local w = 2 * math.pi\n"
+                          "scene:particle { position = { 1, 0, 0 }, velocity = { 0, w, 0 }, mass = 1 }\n"
+                          "scene:force('central', { strength = w * w, power = -2 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run turns.lua --integrator leapfrog --json --no-output --quiet");
+  assert_int_equal(r.code, 5);
+  assert_true(test_json(r.out, "error_estimate") > 0.5); /* 1000 2 pi (2 pi/100)^2/24 = 1.03 rad */
+  test_hooke(&r, NULL, "run turns.lua turns=2000 frames=8 --integrator leapfrog --json --no-output --quiet");
+  assert_int_equal(r.code, 5); /* the first frame is too late for a reference up to it */
+  test_hooke(&r, NULL, "run turns.lua turns=200 --integrator stoermer8 --json --no-output --quiet");
+  assert_int_equal(r.code, 0);
+}
+
+/* Steps of a third of a turn by a method of order 15: between the ends of a step the star seems to be passed closely,
+ * and a reference of 380 turns, which nobody asked for, shows that it is not. */
+static void what_a_runs_own_figures_say_may_be_refuted(void **state) {
+  (void)state;
+  test_write("circle.lua", "local scene = hooke.scene { duration = 571.4, fps = 0.01925, tol = 4.66e-7 }\n"
+                           "scene:particle { position = { 1, 0, 0 }, velocity = { 0, 4.205, 0 }, mass = 1 }\n"
+                           "scene:force('central', { strength = 4.205 ^ 2, power = -2 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run circle.lua --integrator gauss_radau --json --no-output --quiet");
+  if (r.code != 0) fail_msg("exit %d: %s%s", r.code, r.out, r.err);
+}
+
+/* The same circle for 300 turns by a method that is right to 1e-10 m: a reference that is strict enough for all but so
+ * many turns is off by more than what is asked for, one with the run's own steps is dearer than the run, and a stricter
+ * one that chooses its steps decides. */
+static void a_reference_whose_errors_grew_is_overruled(void **state) {
+  (void)state;
+  test_write("exact.lua", "local w, x, y = 5.601938567545862, 0.8, 0.6\n"
+                          "local scene = hooke.scene { duration = 297.07, fps = 0.0572, dt = 0.00066665 }\n"
+                          "scene:particle { position = { x, y, 0 }, velocity = { -w * y, w * x, 0 }, mass = 1 }\n"
+                          "scene:force('central', { strength = w * w, power = -2 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run exact.lua --integrator stoermer8 --accuracy 0.01 --json --no-output --quiet");
+  if (r.code != 0) fail_msg("exit %d: %s%s", r.code, r.out, r.err);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_small_scene_is_compared_unless_that_is_switched_off),
@@ -120,6 +163,9 @@ int main(void) {
       cmocka_unit_test(the_order_of_the_beginning_is_not_that_of_impacts),
       cmocka_unit_test(work_of_damping_that_is_overcounted_is_no_fault),
       cmocka_unit_test(a_reference_dearer_than_the_run_is_not_taken),
+      cmocka_unit_test(a_phase_that_is_lost_over_many_turns_is_seen),
+      cmocka_unit_test(what_a_runs_own_figures_say_may_be_refuted),
+      cmocka_unit_test(a_reference_whose_errors_grew_is_overruled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
