@@ -6,7 +6,6 @@
  * estimates, 0.24 with an estimate for the root alone; but the multipliers are what a spring needs too, so that a
  * damped one takes 1.26 ns with the estimated root and 1.09 without. */
 
-#define AHEAD (WIDTH == 8) /* registers for it */
 #define PRESENT(at, e) LANES_SET((at)->present[(e) / 8] >> (e) % 8)
 
 /* Four sums, in vectors of as many numbers as there are. */
@@ -267,8 +266,9 @@ TARGET HK_INLINE void NAME(hk_spring_end_slot)(const hk_spring_ways *at, size_t 
   NAME(hk_spring_store_pulls)(xy, z, f);
 }
 
-/* Of a slice that begins at `pair` the bundles from number b on. With AHEAD as in a run. Where a vector has a whole
- * slot its forces are added at once: the processor does that while it waits for the roots of the next one. */
+/* Of a slice that begins at `pair` the bundles from number b on. A slot begins before the one ahead of it ends, as a
+ * vector of a run does. Where a vector has a whole slot its forces are added at once: the processor does that while it
+ * waits for the roots of the next one. */
 TARGET HK_INLINE void NAME(hk_spring_bundles)(const hk_spring_ways *at, size_t e, size_t b, const uint32_t (*pair)[2],
                                               const uint8_t *slot, bool damped, hk_spring_pulls *p, VECTOR *part) {
   const uint32_t(*own)[2] = pair + b;
@@ -276,13 +276,12 @@ TARGET HK_INLINE void NAME(hk_spring_bundles)(const hk_spring_ways *at, size_t e
   VECTOR x[3], v[3], sum[3] = {{0}, {0}, {0}};
   NAME(hk_spring_columns)(at->xi, own, 0, x);
   if (damped) NAME(hk_spring_columns)(at->vi, own, 0, v);
-  NAME(hk_spring_stretch) next;
-  if (AHEAD) next = NAME(hk_spring_begin_slot)(at, own, x, v, damped);
+  NAME(hk_spring_stretch) next = NAME(hk_spring_begin_slot)(at, own, x, v, damped);
   for (size_t t = 0; slot[t] > b; t++) {
     const size_t count = slot[t], row = whole ? 0 : t;
-    const NAME(hk_spring_stretch) now = AHEAD ? next : NAME(hk_spring_begin_slot)(at, pair + b, x, v, damped);
+    const NAME(hk_spring_stretch) now = next;
     if (b == 0) __builtin_prefetch(pair + HK_SPRING_PREFETCH), hk_spring_fetch(&at->q, e);
-    if (AHEAD && slot[t + 1] > b) next = NAME(hk_spring_begin_slot)(at, pair + count + b, x, v, damped);
+    if (slot[t + 1] > b) next = NAME(hk_spring_begin_slot)(at, pair + count + b, x, v, damped);
     NAME(hk_spring_end_slot)(at, e + b, &now, count - b, damped, p->xy[row] + b, p->z[row] + b, sum, part);
     if (whole) hk_spring_slot_push(p, pair, count, at->Fi);
     e += count, pair += count;
@@ -313,5 +312,4 @@ TARGET static inline double NAME(hk_spring_list_run)(const hk_spring_ways *at, c
   return damped ? NAME(hk_spring_list_springs)(&own, list, true) : NAME(hk_spring_list_springs)(&own, list, false);
 }
 
-#undef AHEAD
 #undef PRESENT
