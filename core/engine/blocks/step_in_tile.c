@@ -15,7 +15,7 @@ enum { EIGHT = 8 };
 static bool divide(int lanes, const double *inverse, double *F, size_t begin, size_t end) {
   size_t single = end - (end - begin) % EIGHT;
   double bad = 0;
-  bool finite = HK_WIDEST(lanes, divide_eights)(inverse, F, begin, single);
+  bool finite = single == begin || HK_WIDEST(lanes, divide_eights)(inverse, F, begin, single);
   for (size_t c = 3 * single; c < 3 * end; c++) {
     bad += F[c] * 0;
     F[c] *= inverse[c / 3];

@@ -156,7 +156,8 @@ hk_status hk_evaluate_fused(hk_system *s, double t, double *x, double *v, const 
   hk_step_in_tile w = {t, x, v, tail ? y : NULL, a, fused, has_whole(d), constrained, is_sampled(d)};
   hk_status status = hk_dynamics_set_time(d, t);
   if (status != HK_OK) return status;
-  memset(dy, 0, (tail + 1) * sizeof *dy);
+  if (tail) memset(dy, 0, tail * sizeof *dy);
+  dy[tail] = 0;
   status = sum_forces(d, &w, y, dy, dy + tail);
   d->count.evaluations++;
   if (status != HK_OK || !constrained) return status;
