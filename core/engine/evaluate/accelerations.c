@@ -2,9 +2,9 @@
  *
  * One evaluation: timed parameters and the places of pins are those of the time t; forces without parts add to F in the
  * scene's order; blocks/ adds the parts of the others, block by block, imposes the pins on each block, divides by the
- * masses and checks that F is finite, while the data are in the cache; then constraint forces are added. Results do not
- * depend on the number of threads: what is summed where depends on counts alone. Wall time by plugin is sampled at one
- * evaluation in 64. */
+ * masses and checks that F is finite, while the data are in the cache; then constraint forces are added. Several
+ * evaluations of steps that follow each other are a tile (hk_evaluate_several). Results do not depend on the number of
+ * threads: what is summed where depends on counts alone. Wall time by plugin is sampled at one evaluation in 64. */
 #include "core/engine/evaluate/evaluate.h"
 
 #include <stdlib.h>
