@@ -86,28 +86,14 @@ HK_INLINE void hk_spring_pulls_add(const hk_spring_pulls *p, const uint32_t (*pa
   for (size_t r = 0; r < lanes[0]; r++) hk_spring_pull(F + 3 * (size_t)own[r][0], p->sum_xy[r], p->sum_z[r]);
 }
 
-/* Of n springs of a run, at most HK_SPRING_BLOCK, a bit for each four of them, set where one is missing. */
-static inline uint64_t hk_spring_gaps(const uint8_t *present, size_t n) {
-  uint64_t gaps = 0, eight;
-  for (size_t e = 0; e < n; e += 8) {
-    while (e + 64 <= n && (memcpy(&eight, present + e / 8, sizeof eight), eight == UINT64_MAX)) e += 64;
-    if (e >= n) break;
-    gaps |= (uint64_t)((present[e / 8] & 15) != 15) << e / 4;
-    gaps |= (uint64_t)((present[e / 8] & 240) != 240) << (e / 4 + 1);
-  }
+/* Whether one of n springs of a run is missing. */
+static inline bool hk_spring_has_gaps(const uint8_t *present, size_t n) {
+  uint64_t eight;
+  size_t e = 0;
+  bool gaps = n % 8 && (present[n / 8] & 15) != 15; /* n is a multiple of four */
+  for (; e + 64 <= n; e += 64) gaps |= (memcpy(&eight, present + e / 8, sizeof eight), eight != UINT64_MAX);
+  for (; e + 8 <= n; e += 8) gaps |= present[e / 8] != 0xff;
   return gaps;
-}
-
-/* The next vector of a run in which a spring is missing. */
-typedef struct hk_spring_gap {
-  uint64_t gaps;
-  size_t at; /* its first spring; SIZE_MAX: there is none */
-} hk_spring_gap;
-
-HK_INLINE void hk_spring_next_gap(hk_spring_gap *gap, size_t from, size_t width) {
-  const uint64_t rest = from < HK_SPRING_BLOCK ? gap->gaps >> from / 4 : 0;
-  const size_t four = rest ? (from / 4 + (size_t)__builtin_ctzll(rest)) * 4 : SIZE_MAX;
-  gap->at = !rest ? SIZE_MAX : four > from ? four / width * width : from;
 }
 
 /* For each width, HK_WIDEST(lanes, loop)(ways, ...): adds the forces of springs to F and returns the sum of c w^2/l^2,

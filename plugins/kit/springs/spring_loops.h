@@ -84,7 +84,7 @@ TARGET HK_INLINE VECTOR NAME(hk_spring_sum3)(const VECTOR q[3]) {
 }
 
 TARGET HK_INLINE NAME(hk_spring_reach)
-    NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped, hk_spring_gap *gap) {
+    NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped, bool gaps) {
   NAME(hk_spring_reach) t = {.w = FILL(0.)};
   VECTOR p[3];
   for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) t.d[r] = LOAD(at->xj + k) - LOAD(at->xi + k);
@@ -94,22 +94,16 @@ TARGET HK_INLINE NAME(hk_spring_reach)
     for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) p[r] = t.d[r] * (LOAD(at->vj + k) - LOAD(at->vi + k));
     t.w = NAME(hk_spring_sum3)(p);
   }
-  if (__builtin_expect(e == gap->at, 0)) {
-    t.l2 = KEEP(PRESENT(at, e), t.l2), t.w = KEEP(PRESENT(at, e), t.w);
-    hk_spring_next_gap(gap, e + WIDTH, WIDTH);
-  }
+  if (gaps) t.l2 = KEEP(PRESENT(at, e), t.l2), t.w = KEEP(PRESENT(at, e), t.w);
   return t;
 }
 
 /* The forces are added to the first ends and subtracted from the second ones, or go to a buffer where both are near. */
 TARGET HK_INLINE void NAME(hk_spring_end_step)(const hk_spring_ways *at, size_t e, const VECTOR q[3],
-                                               const NAME(hk_spring_stretch) * t, bool damped, hk_spring_gap *gap,
+                                               const NAME(hk_spring_stretch) * t, bool damped, bool gaps,
                                                NAME(hk_spring_four) * part, double *buffer) {
   VECTOR power, f[3], s = NAME(hk_spring_scales)(q, t, damped, &power);
-  if (__builtin_expect(e == gap->at, 0)) {
-    s = KEEP(PRESENT(at, e), s);
-    hk_spring_next_gap(gap, e + WIDTH, WIDTH);
-  }
+  if (gaps) s = KEEP(PRESENT(at, e), s);
   if (damped) NAME(hk_spring_add_power)(part, e, power);
   for (size_t r = 0; r < 3; r++) {
     const size_t k = 3 * e + WIDTH * r;
@@ -132,31 +126,27 @@ TARGET HK_INLINE void NAME(hk_spring_add_near)(const hk_spring_ways *at, size_t 
  * the processor does not see far enough ahead to find work while it waits for sums of products, and then for roots and
  * reciprocals. */
 TARGET HK_INLINE void NAME(hk_spring_run_steps)(const hk_spring_ways *at, size_t e, size_t n, bool damped, bool each,
-                                                uint64_t gaps, double *buffer, NAME(hk_spring_four) * part) {
+                                                bool gaps, double *buffer, NAME(hk_spring_four) * part) {
   const size_t last = n - WIDTH;
-  hk_spring_gap begun = {gaps, 0}, ended;
   VECTOR q[3];
   NAME(hk_spring_coefficients)(&at->q, 0, q);
-  hk_spring_next_gap(&begun, e, WIDTH);
-  ended = begun;
-  NAME(hk_spring_reach) reach = NAME(hk_spring_begin_step)(at, e, damped, &begun);
+  NAME(hk_spring_reach) reach = NAME(hk_spring_begin_step)(at, e, damped, gaps);
   NAME(hk_spring_stretch) stretch = NAME(hk_spring_root)(&reach);
-  if (e + WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + WIDTH, damped, &begun);
+  if (e + WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + WIDTH, damped, gaps);
   for (; e <= last; e += WIDTH) {
     if (each) NAME(hk_spring_coefficients)(&at->q, e, q);
     if (each && e % 8 == 0) hk_spring_fetch(&at->q, e);
-    NAME(hk_spring_end_step)(at, e, q, &stretch, damped, &ended, part, buffer);
+    NAME(hk_spring_end_step)(at, e, q, &stretch, damped, gaps, part, buffer);
     for (size_t r = 0; r < 3 && buffer && e >= HK_SPRING_LAG; r++)
       NAME(hk_spring_add_near)(at, 3 * (e - HK_SPRING_LAG) + WIDTH * r, buffer);
     if (e + WIDTH <= last) stretch = NAME(hk_spring_root)(&reach);
-    if (e + 2 * WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + 2 * WIDTH, damped, &begun);
+    if (e + 2 * WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + 2 * WIDTH, damped, gaps);
   }
 }
 
 /* Whole vectors of n springs from e on, and of what eight are too wide for, one of four. */
 TARGET HK_INLINE double NAME(hk_spring_run_springs)(const hk_spring_ways *at, size_t n, bool damped, bool each,
-                                                    double *buffer) {
-  const uint64_t gaps = hk_spring_gaps(at->present, n);
+                                                    bool gaps, double *buffer) {
   NAME(hk_spring_four) part[WIDTH == 2 ? 2 : 1] = {{0}};
   const size_t whole = n / WIDTH * WIDTH;
   if (whole) NAME(hk_spring_run_steps)(at, 0, whole, damped, each, gaps, buffer, part);
@@ -169,11 +159,15 @@ TARGET HK_INLINE double NAME(hk_spring_run_springs)(const hk_spring_ways *at, si
 /* With a copy of its own, whose numbers stay in registers whatever is stored. */
 TARGET HK_INLINE double NAME(hk_spring_any_run)(const hk_spring_ways *at, size_t n, bool damped, double *buffer) {
   const hk_spring_ways own = *at;
-  if (own.q.each_k | own.q.each_c | own.q.each_L)
-    return damped ? NAME(hk_spring_run_springs)(&own, n, true, true, buffer)
-                  : NAME(hk_spring_run_springs)(&own, n, false, true, buffer);
-  return damped ? NAME(hk_spring_run_springs)(&own, n, true, false, buffer)
-                : NAME(hk_spring_run_springs)(&own, n, false, false, buffer);
+  const bool each = own.q.each_k | own.q.each_c | own.q.each_L, gaps = hk_spring_has_gaps(own.present, n);
+  if (gaps) /* with masks for every vector: a branch is foreseen too seldom where rows are short */
+    return damped ? NAME(hk_spring_run_springs)(&own, n, true, each, true, buffer)
+                  : NAME(hk_spring_run_springs)(&own, n, false, each, true, buffer);
+  if (each)
+    return damped ? NAME(hk_spring_run_springs)(&own, n, true, true, false, buffer)
+                  : NAME(hk_spring_run_springs)(&own, n, false, true, false, buffer);
+  return damped ? NAME(hk_spring_run_springs)(&own, n, true, false, false, buffer)
+                : NAME(hk_spring_run_springs)(&own, n, false, false, false, buffer);
 }
 
 TARGET static inline double NAME(hk_spring_far_run)(const hk_spring_ways *at, size_t n, bool damped) {
