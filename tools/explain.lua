@@ -52,6 +52,9 @@ local function print_loaded(e)
   print("\nloaded")
   for _, p in ipairs(e.plugins) do
     print(("  %-11s %-14s %-16s %s"):format(p.kind, p.name, hooke.plain(p.label, true), p.edges and ("%d edges"):format(p.edges) or ""))
+    if p.apart then
+      print("                 without parts (add_part): every evaluation goes through all particles once more for it")
+    end
   end
 end
 

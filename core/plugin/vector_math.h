@@ -6,6 +6,7 @@
  *                     makes of processors. With 4, doubles beyond the range of floats give 0, infinity or NaN
  *   LOGIC             the type of what is true in some lanes: LANES_SET(bits), where a bit is set, the lowest first;
  *                     EXCEEDS(a, b), where a > b; BOTH(p, q)
+ *   HALVES(a, b)      the lower half of a and the upper one of b
  *   CHOOSE(p, a, b)   a where p is true, b elsewhere;  KEEP(p, a) has 0 there, ADD_KEPT(p, a, b) a instead of a + b */
 #ifndef HK_PLUGIN_VECTOR_MATH_H
 #define HK_PLUGIN_VECTOR_MATH_H
@@ -34,7 +35,6 @@ static const int64_t hk_lane_bits[16][4] = {
 #define HK_KEEP_double_2(p, a) ((VECTOR)((p) & (MASK)(a)))
 #define HK_KEEP_double_4 HK_KEEP_double_2
 #define HK_CHOOSE_double_2(p, a, b) ((VECTOR)(((p) & (MASK)(a)) | (~(p) & (MASK)(b))))
-#define HK_CHOOSE_double_4 HK_CHOOSE_double_2
 #define HK_ADD_KEPT_double_2(p, a, b) ((a) + HK_KEEP_double_2(p, b))
 #define HK_ADD_KEPT_double_4 HK_ADD_KEPT_double_2
 
@@ -58,6 +58,8 @@ static const int64_t hk_lane_bits[16][4] = {
 #define HK_SQUARE_ROOT_double_8(a) ((VECTOR)_mm512_sqrt_pd((__m512d)(a)))
 #define HK_ROOT_ESTIMATE_double_4(a) ((VECTOR)_mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps((__m256d)(a)))))
 #define HK_ROOT_ESTIMATE_double_8(a) ((VECTOR)_mm512_rsqrt14_pd((__m512d)(a)))
+#define HK_HALVES_double_4(a, b) ((VECTOR)_mm256_blend_pd((__m256d)(a), (__m256d)(b), 12))
+#define HK_CHOOSE_double_4(p, a, b) ((VECTOR)_mm256_blendv_pd((__m256d)(b), (__m256d)(a), (__m256d)(p)))
 #define HK_LOGIC_double_8 __mmask8
 #define HK_LANES_SET_double_8(bits) ((__mmask8)(bits))
 #define HK_EXCEEDS_double_8(a, b) _mm512_cmp_pd_mask((__m512d)(a), (__m512d)(b), _CMP_GT_OQ)

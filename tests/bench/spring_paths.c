@@ -1,5 +1,6 @@
 /* The inner loops of the springs kernel, width by width, on particles that stay in the first-level cache: what they
- * cost beside memory. The widths take turns, and each figure is the least of its repeats, in seconds of the processor.
+ * cost beside memory. The widths take turns, and each figure is the least of its repeats by the wall clock: the clock
+ * of a thread is corrected for stolen time on shared machines, and may be short.
  */
 #include "core/engine/base/base.h"
 #include "plugins/kit/springs/spring_kernel.h"
@@ -27,7 +28,7 @@ typedef struct kind {
 
 static double now(void) {
   struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

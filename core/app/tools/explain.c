@@ -30,6 +30,7 @@ static void push_plugins(lua_State *L, const hk_run *run) {
   for (size_t o = 0; o < sizeof order / sizeof *order; o++)
     for (size_t k = 0; k < scene->plugin[order[o]].count; k++) {
       push_plugin(L, scene->plugin[order[o]].item[k]);
+      if (order[o] == HK_FORCE) hk_tool_set_flag(L, "apart", hk_evaluate_is_apart(&run->dynamics, k));
       lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
     }
   for (size_t k = 0; k < services->count; k++) {

@@ -81,15 +81,18 @@ typedef struct hk_tiles {
   const hk_instance *client; /* who asked for it */
 } hk_tiles;
 
-typedef struct hk_step_in_tile {
+typedef struct hk_step_in_tile hk_step_in_tile;
+struct hk_step_in_tile {
   double t, *x, *v;
   const double *y; /* NULL: there are no channels */
   double *a;
-  const hk_fused *fused; /* NULL: the method does nothing before and after */
-  bool prepared;         /* x, v and a of all particles are prepared */
-  bool unfinished;       /* what the method does after the evaluation comes later */
-  bool sampled;          /* computing time is measured */
-} hk_step_in_tile;
+  const hk_fused *fused;       /* NULL: the method does nothing before and after */
+  bool prepared;               /* x, v and a of all particles are prepared */
+  bool counts;                 /* of the F that is there when a block is taken, the power is counted */
+  bool unfinished;             /* what the method does after the evaluation comes later */
+  bool sampled;                /* computing time is measured */
+  const hk_step_in_tile *next; /* each block that is finished is prepared for this step; NULL: there is none */
+};
 
 /* ---- arrange.c: which forces are asked for parts, and in which order ---- */
 
@@ -112,6 +115,9 @@ void hk_tiles_finish(hk_tiles *, const hk_step_in_tile *);
  * forces and of the pins is added. HK_NOT_FINITE: some F is not finite. */
 hk_status hk_tile_evaluate(hk_tiles *, const hk_step_in_tile *, double *power);
 hk_status hk_tile_evaluate_several(hk_tiles *, const hk_step_in_tile *, size_t steps, double *power);
+
+/* W, the sum of F.v over the numbers begin to end - 1. */
+double hk_step_power(const double *F, const double *v, size_t begin, size_t end);
 
 /* ---- whole.c: F of one force, whether it has `add` or parts ---- */
 

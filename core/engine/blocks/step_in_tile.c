@@ -15,7 +15,7 @@ enum { EIGHT = 8 };
 static bool divide(int lanes, const double *inverse, double *F, size_t begin, size_t end) {
   size_t single = end - (end - begin) % EIGHT;
   double bad = 0;
-  bool finite = HK_WIDEST(lanes, divide_eights)(inverse, F, begin, single);
+  bool finite = single == begin || HK_WIDEST(lanes, divide_eights)(inverse, F, begin, single);
   for (size_t c = 3 * single; c < 3 * end; c++) {
     bad += F[c] * 0;
     F[c] *= inverse[c / 3];
@@ -44,6 +44,21 @@ void hk_step_prepare_block(const hk_tiles *tiles, const hk_step_in_tile *s, size
   hk_step_note_time(tiles, s, tiles->forces->count, at, clock);
 }
 
+double hk_step_power(const double *F, const double *v, size_t begin, size_t end) {
+  double part[8] = {0}; /* several sums, so that none waits for the one before it */
+  size_t e = begin;
+  for (; e + 8 <= end; e += 8)
+    for (size_t r = 0; r < 8; r++) part[r] += F[e + r] * v[e + r];
+  for (; e < end; e++) part[(e - begin) % 8] += F[e] * v[e];
+  return ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
+}
+
+/* Forces that come by parts have added nothing to it yet: they touch none but lower blocks. */
+void hk_step_count(const hk_tiles *tiles, const hk_step_in_tile *s, size_t block, size_t at) {
+  const hk_partition *p = &tiles->front.partition;
+  if (s->counts) tiles->sum[at].power += hk_step_power(s->a, s->v, 3 * (block << p->bits), 3 * end_of(p, block));
+}
+
 void hk_step_finish(const hk_tiles *tiles, const hk_step_in_tile *s, size_t block, size_t at) {
   const hk_partition *p = &tiles->front.partition;
   const hk_pins *pins = tiles->pins;
@@ -53,6 +68,7 @@ void hk_step_finish(const hk_tiles *tiles, const hk_step_in_tile *s, size_t bloc
   sum->bad |= !divide(tiles->shared->lanes, tiles->state->inverse_mass, s->a, begin, end);
   if (pins->has_slides) hk_pins_slide(pins, begin, end, s->a);
   if (s->fused && s->fused->after && !s->unfinished) s->fused->after(s->fused->context, begin, end);
+  if (s->next) hk_step_prepare(tiles, s->next, begin, end);
 }
 
 /* ---- the forces ---- */

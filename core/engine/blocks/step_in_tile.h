@@ -9,6 +9,8 @@
 void hk_step_prepare(const hk_tiles *, const hk_step_in_tile *, size_t begin, size_t end);
 void hk_step_prepare_block(const hk_tiles *, const hk_step_in_tile *, size_t block, size_t at);
 void hk_step_finish(const hk_tiles *, const hk_step_in_tile *, size_t block, size_t at);
+/* hk_step_power of a block, to its sum, where it is counted so. */
+void hk_step_count(const hk_tiles *, const hk_step_in_tile *, size_t block, size_t at);
 /* One part of all forces. */
 void hk_step_add(const hk_tiles *, const hk_step_in_tile *, size_t part, size_t at);
 /* The plugins of these sums are done; who is still at work in another thread is named now. */

@@ -55,6 +55,7 @@ static void finish_blocks(const work *w, size_t *next, size_t until, size_t at) 
 static void take_block(const work *w, size_t block, size_t *next, size_t at) {
   const hk_front *front = &w->tiles->front;
   if (!w->step->prepared) hk_step_prepare_block(w->tiles, w->step, block, at);
+  hk_step_count(w->tiles, w->step, block, at);
   hk_step_add(w->tiles, w->step, block, at);
   double clock = hk_step_clock(w->step);
   finish_blocks(w, next, front->complete[block], at);

@@ -2,9 +2,9 @@
  *
  * One evaluation: timed parameters and the places of pins are those of the time t; forces without parts add to F in the
  * scene's order; blocks/ adds the parts of the others, block by block, imposes the pins on each block, divides by the
- * masses and checks that F is finite, while the data are in the cache; then constraint forces are added. Results do not
- * depend on the number of threads: what is summed where depends on counts alone. Wall time by plugin is sampled at one
- * evaluation in 64. */
+ * masses and checks that F is finite, while the data are in the cache; then constraint forces are added. Several
+ * evaluations of steps that follow each other are a tile (hk_evaluate_several). Results do not depend on the number of
+ * threads: what is summed where depends on counts alone. Wall time by plugin is sampled at one evaluation in 64. */
 #include "core/engine/evaluate/evaluate.h"
 
 #include <stdlib.h>
@@ -14,6 +14,9 @@ static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s;
 
 /* One evaluation in SAMPLE is timed. A tile of several steps pays where so many can be under way at once. */
 enum { SAMPLE = 64, DEPTH = 4 };
+
+/* s, of the evaluations of a tile by forces without parts: so soon the run can be interrupted. */
+static const double patience = 0.2;
 
 static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % SAMPLE == 0; }
 
@@ -94,16 +97,15 @@ static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
   return status;
 }
 
-static hk_status add_with_work(hk_dynamics *d, size_t k, double *F, double *dy, const double *v, double *power) {
+/* `first`: F is zero so far, otherwise the force is summed apart. */
+static hk_status add_with_work(hk_dynamics *d, size_t k, double *F, double *dy, const double *v, bool first,
+                               double *power) {
   size_t count = 3 * d->state->model.n;
-  double *alone = d->unaccounted, sum = 0;
-  memset(alone, 0, count * sizeof *alone);
+  double *alone = first ? F : d->unaccounted;
+  if (!first) memset(alone, 0, count * sizeof *alone);
   hk_status status = add_force(d, k, alone, dy);
-  for (size_t e = 0; e < count; e++) {
-    F[e] += alone[e];
-    sum += alone[e] * v[e];
-  }
-  *power += sum;
+  *power += hk_step_power(alone, v, 0, count);
+  for (size_t e = 0; e < count && !first; e++) F[e] += alone[e];
   return status;
 }
 
@@ -115,14 +117,28 @@ static bool has_whole(const hk_dynamics *d) {
   return any;
 }
 
+bool hk_evaluate_is_apart(const hk_dynamics *d, size_t k) {
+  return is_whole(d, k) && d->tiles.front.partition.blocks > 1;
+}
+
+/* Whether the only force without parts is one whose work is F.v: it is then counted block by block. */
+static bool counts_by_blocks(const hk_dynamics *d) {
+  size_t whole = 0, counted = 0;
+  for (size_t k = 0; k < d->split.forces; k++)
+    if (is_whole(d, k)) whole++, counted += hk_work_unaccounted(d->plugins->kind[HK_FORCE].item[k]);
+  return whole == 1 && counted == 1;
+}
+
 /* Adds the forces without parts to F. */
 static hk_status sum_whole(hk_dynamics *d, const hk_step_in_tile *w, double *dy, double *power) {
   hk_status status = HK_OK;
+  bool first = true;
   for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
     if (!is_whole(d, k)) continue;
     bool whole = hk_work_unaccounted(d->plugins->kind[HK_FORCE].item[k]);
     prepare_view(d, k, w, whole ? NULL : power);
-    status = whole ? add_with_work(d, k, w->a, dy, w->v, power) : add_force(d, k, w->a, dy);
+    status = whole && !w->counts ? add_with_work(d, k, w->a, dy, w->v, first, power) : add_force(d, k, w->a, dy);
+    first = false;
   }
   return status;
 }
@@ -153,10 +169,20 @@ hk_status hk_evaluate_fused(hk_system *s, double t, double *x, double *v, const 
   hk_dynamics *d = dynamics_of(s);
   size_t tail = s->size - 6 * s->n - 1;
   bool constrained = s->constraint && s->constraint->takes_constraints;
-  hk_step_in_tile w = {t, x, v, tail ? y : NULL, a, fused, has_whole(d), constrained, is_sampled(d)};
+  const hk_step_in_tile w = {.t = t,
+                             .x = x,
+                             .v = v,
+                             .y = tail ? y : NULL,
+                             .a = a,
+                             .fused = fused,
+                             .prepared = has_whole(d),
+                             .counts = counts_by_blocks(d),
+                             .unfinished = constrained,
+                             .sampled = is_sampled(d)};
   hk_status status = hk_dynamics_set_time(d, t);
   if (status != HK_OK) return status;
-  memset(dy, 0, (tail + 1) * sizeof *dy);
+  if (tail) memset(dy, 0, tail * sizeof *dy);
+  dy[tail] = 0;
   status = sum_forces(d, &w, y, dy, dy + tail);
   d->count.evaluations++;
   if (status != HK_OK || !constrained) return status;
@@ -177,23 +203,63 @@ hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v
   return hk_evaluate_fused(s, t, x, v, y, a, dy, NULL);
 }
 
+/* Rates of channels of its own are asked for with F. */
+static bool whole_has_rates(const hk_dynamics *d) {
+  bool any = false;
+  for (size_t k = 0; k < d->split.forces; k++)
+    any |= is_whole(d, k) && d->plugins->kind[HK_FORCE].item[k]->plugin->force->rates;
+  return any;
+}
+
 bool hk_evaluate_takes_several(const hk_dynamics *d) {
   const hk_system *s = &d->system;
   if (d->constrain || s->contact || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
-  return !(d->queries.flags & HK_DEPENDS_ON_T) && !d->pins->has_slides && !has_whole(d) &&
-         d->tiles.order.depth >= DEPTH;
+  if (d->queries.flags & HK_DEPENDS_ON_T || d->pins->has_slides) return false;
+  if (has_whole(d)) return d->tiles.front.partition.blocks > 1 && !whole_has_rates(d);
+  return d->tiles.order.depth >= DEPTH;
+}
+
+size_t hk_evaluate_several_most(const hk_dynamics *d) {
+  double seconds = 0;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+    if (is_whole(d, k) && force->sampled) seconds += force->seconds / (double)force->sampled;
+  }
+  return HK_TILE_STEPS * seconds > patience ? (size_t)(patience / seconds) + 1 : HK_TILE_STEPS;
+}
+
+/* Where forces have no parts the steps follow each other, but a block is begun for the next step when it is finished:
+ * with that of forces without parts, the particles are gone through twice a step. All sums are those of single steps.
+ */
+static hk_status one_after_another(hk_dynamics *d, hk_step_in_tile *step, size_t count, double *power) {
+  const bool counts = counts_by_blocks(d);
+  hk_status status = HK_OK;
+  hk_tiles_prepare(&d->tiles, step);
+  for (size_t k = 0; k < count && status == HK_OK; k++, d->count.evaluations++) {
+    step[k].prepared = true;
+    step[k].counts = counts;
+    step[k].next = k + 1 < count ? &step[k + 1] : NULL;
+    status = sum_whole(d, &step[k], NULL, &power[k]);
+    if (status == HK_OK) status = hk_tile_evaluate(&d->tiles, &step[k], &power[k]);
+  }
+  return status;
 }
 
 hk_status hk_evaluate_several(hk_system *s, hk_tile_step *of, size_t count) {
   hk_dynamics *d = dynamics_of(s);
   hk_step_in_tile step[HK_TILE_STEPS] = {{0}};
   double power[HK_TILE_STEPS] = {0};
+  const size_t before = d->count.evaluations;
   for (size_t k = 0; k < count; k++, d->count.evaluations++)
     step[k] = (hk_step_in_tile){
         .t = of[k].t, .x = of[k].x, .v = of[k].v, .a = of[k].a, .fused = &of[k].fused, .sampled = is_sampled(d)};
-  hk_status status = hk_tile_evaluate_several(&d->tiles, step, count, power);
+  const bool whole = has_whole(d);
+  if (whole) d->count.evaluations = before;
+  hk_status status =
+      whole ? one_after_another(d, step, count, power) : hk_tile_evaluate_several(&d->tiles, step, count, power);
   for (size_t k = 0; k < count; k++) of[k].power = power[k];
-  return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "the forces are not finite");
+  if (status == HK_NOT_FINITE) return hk_error_set(d->error, status, "the forces are not finite");
+  return status;
 }
 
 hk_status hk_evaluate_resize(hk_dynamics *d) {

@@ -138,8 +138,12 @@ hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number 
 hk_status hk_evaluate_fused(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy,
                             const hk_fused *);
 hk_status hk_evaluate_several(hk_system *, hk_tile_step *, size_t count);
-bool hk_evaluate_takes_several(
-    const hk_dynamics *); /* whether tiles of several steps are possible at present, and worth while */
+/* Whether tiles of several steps are possible at present, and worth while; how many steps one should have at most, as
+ * forces without parts may take long. Results do not depend on that number. */
+bool hk_evaluate_takes_several(const hk_dynamics *);
+size_t hk_evaluate_several_most(const hk_dynamics *);
+/* Whether all particles are gone through once more in every evaluation for force k, as it has no parts. */
+bool hk_evaluate_is_apart(const hk_dynamics *, size_t k);
 
 /* ---- force_queries.c: energies, forces and blocks of one state, apart from the evaluation of f ---- */
 

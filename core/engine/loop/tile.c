@@ -1,6 +1,6 @@
 /* Tiles, several steps at once (hk_tile_facet), where nobody needs the states between them: no corrector, source,
- * constraint, contact or moving pin does something at every step, and all forces come by parts. Whether it is done, and
- * in which order forces are summed, follows from the scene, not from the number of threads or of steps. */
+ * constraint, contact or moving pin does something at every step. Whether it is done, and in which
+ * order forces are summed, follows from the scene, not from the number of threads or of steps. */
 #include "core/engine/contract/contract.h"
 #include "core/engine/loop/loop.h"
 
@@ -29,6 +29,7 @@ size_t hk_tile_length(const hk_loop *loop, const hk_piece *p) {
   size_t steps = loop->record->steps, now = loop->dynamics->count.evaluations, watch_at = loop->step->watch_at;
   size_t length = lesser(p->n - p->i + 1, HK_TILE_STEPS - steps % HK_TILE_STEPS);
   if (steps < HK_EARLY_STEPS) length = lesser(length, p->n < EARLY_PARTS ? 1 : p->n / EARLY_PARTS);
+  length = lesser(length, hk_evaluate_several_most(loop->dynamics));
   if (loop->schedule.step_limit) length = lesser(length, loop->schedule.step_limit - steps);
   return watch_at > now ? lesser(length, watch_at - now) : length;
 }

@@ -10,6 +10,7 @@ typedef struct hk_judgement hk_judgement;
 typedef struct hk_plugin_time {
   const char *kind, *name, *label;
   double seconds;
+  bool apart; /* a force without parts: see hk_evaluate_is_apart */
 } hk_plugin_time;
 
 /* A copy of X, ids and masses. */

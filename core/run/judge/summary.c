@@ -73,7 +73,8 @@ static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
       const hk_instance *instance = loop->plugins->kind[order[o]].item[k];
       if (!instance->started) continue;
       j->plugin_time[s->plugins++] =
-          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, share_of(instance, &of)};
+          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, share_of(instance, &of),
+                           order[o] == HK_FORCE && hk_evaluate_is_apart(loop->dynamics, k)};
     }
   s->plugin = j->plugin_time;
 }

@@ -53,7 +53,10 @@ static void print_times(FILE *out, const hk_summary *s) {
       print_text(out, "%-18s ", s->plugin[k].label);
       const char *kind = s->plugin[k].kind;
       bool shared = strcmp(kind, hk_kind_name(HK_SERVICE)) == 0 || strcmp(kind, hk_kind_name(HK_SOLVER)) == 0;
-      fprintf(out, "%9.4f s%s\n", s->plugin[k].seconds, shared ? ", in the time of those who ask it" : "");
+      fprintf(out, "%9.4f s%s\n", s->plugin[k].seconds,
+              shared               ? ", in the time of those who ask it"
+              : s->plugin[k].apart ? ", without parts: a sweep over the particles of its own"
+                                   : "");
     }
 }
 

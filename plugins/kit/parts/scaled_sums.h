@@ -31,11 +31,15 @@ static inline double hk_scaled_one(const hk_scaled *s, size_t i, double *F) {
   return s->u ? scale * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) : 0;
 }
 
-static inline double hk_scaled_sums_add(const hk_scaled *s, const hk_view *view, size_t begin, size_t end, double *F) {
-  size_t single = view->active ? begin : end - (end - begin) % HK_SCALED_EIGHT;
+static inline double hk_scaled_many(const hk_scaled *s, int lanes, size_t begin, size_t end, double *F) {
   double pattern[3 * HK_SCALED_EIGHT];
   for (size_t l = 0; l < 3 * HK_SCALED_EIGHT; l++) pattern[l] = s->common[l % 3];
-  double power = HK_WIDEST(view->host->lanes, hk_scaled_eights)(s, pattern, begin, single, F);
+  return HK_WIDEST(lanes, hk_scaled_eights)(s, pattern, begin, end, F);
+}
+
+static inline double hk_scaled_sums_add(const hk_scaled *s, const hk_view *view, size_t begin, size_t end, double *F) {
+  size_t single = view->active ? begin : end - (end - begin) % HK_SCALED_EIGHT;
+  double power = single > begin ? hk_scaled_many(s, view->host->lanes, begin, single, F) : 0;
   for (size_t k = single; k < end; k++) power += hk_scaled_one(s, hk_acting_particle(view, k), F);
   return power;
 }

@@ -17,7 +17,11 @@ static inline void hk_spring_part(const hk_spring_layout *, size_t part, const d
 
 /* Ends HK_SPRING_FAR particles apart are far: what is added to one end has been stored when it is read as the other.
  * (Measured: from 16 on as fast as any, 12 a quarter slower.) */
-enum { HK_SPRING_WIDEST = 8, HK_SPRING_BLOCK = 256, HK_SPRING_FAR = 16 };
+enum { HK_SPRING_BLOCK = 256, HK_SPRING_FAR = 16 };
+
+/* Nearer ends get their forces from a buffer, HK_SPRING_LAG springs later, when the processor has written them to the
+ * cache, and with numbers of the buffer up to HK_SPRING_MARGIN before or behind those of their own springs. */
+enum { HK_SPRING_LAG = 32, HK_SPRING_MARGIN = 3 * HK_SPRING_FAR };
 
 /* `k + (e & each_k)` points to the coefficients of spring e and those that follow; `each` is 0 for a common coefficient
  * (HK_SPRING_WIDEST equal numbers), otherwise it has all bits set. */
@@ -80,6 +84,16 @@ HK_INLINE void hk_spring_pulls_add(const hk_spring_pulls *p, const uint32_t (*pa
   for (size_t t = 0; !pushed && lanes[t]; pair += lanes[t++])
     for (size_t r = 0; r < lanes[t]; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[t][r], p->z[t][r]);
   for (size_t r = 0; r < lanes[0]; r++) hk_spring_pull(F + 3 * (size_t)own[r][0], p->sum_xy[r], p->sum_z[r]);
+}
+
+/* Whether one of n springs of a run is missing. */
+static inline bool hk_spring_has_gaps(const uint8_t *present, size_t n) {
+  uint64_t eight;
+  size_t e = 0;
+  bool gaps = n % 8 && (present[n / 8] & 15) != 15; /* n is a multiple of four */
+  for (; e + 64 <= n; e += 64) gaps |= (memcpy(&eight, present + e / 8, sizeof eight), eight != UINT64_MAX);
+  for (; e + 8 <= n; e += 8) gaps |= present[e / 8] != 0xff;
+  return gaps;
 }
 
 /* For each width, HK_WIDEST(lanes, loop)(ways, ...): adds the forces of springs to F and returns the sum of c w^2/l^2,
@@ -186,10 +200,13 @@ static inline double hk_spring_one_run(const hk_spring_task *t, const hk_spring_
 
 static inline double hk_spring_one_part(const hk_spring_task *t, size_t part) {
   const hk_spring_layout *s = t->layout;
-  double k[HK_SPRING_WIDEST], c[HK_SPRING_WIDEST], L[HK_SPRING_WIDEST], power = 0;
-  hk_spring_numbers q = {s->each_k ? s->k : k,       s->each_c ? s->c : c,       s->each_L ? s->L : L,
-                         s->each_k ? ~(size_t)0 : 0, s->each_c ? ~(size_t)0 : 0, s->each_L ? ~(size_t)0 : 0};
-  for (int r = 0; r < HK_SPRING_WIDEST; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
+  const hk_spring_numbers q = {.k = s->k,
+                               .c = s->c,
+                               .L = s->L,
+                               .each_k = s->each_k ? ~(size_t)0 : 0,
+                               .each_c = s->each_c ? ~(size_t)0 : 0,
+                               .each_L = s->each_L ? ~(size_t)0 : 0};
+  double power = 0;
   for (size_t r = s->part[part]; r < s->part[part + 1]; r++) power += hk_spring_one_run(t, &q, &s->run[r]);
   return power;
 }

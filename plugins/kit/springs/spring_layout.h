@@ -17,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HK_SPRING_LANES = 4 }; /* the places of a run are a multiple */
+/* The places of a run are a multiple of HK_SPRING_LANES; so many equal numbers stand for a common coefficient. */
+enum { HK_SPRING_LANES = 4, HK_SPRING_WIDEST = 8 };
 
 typedef enum hk_spring_kind {
   HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ..., but for a few t: as in a grid, whose rows follow each other */
@@ -39,7 +40,7 @@ typedef struct hk_spring_layout {
   uint32_t (*pair)[2];         /* of the springs in no run */
   uint8_t *lanes;              /* see hk_spring_list */
   uint8_t *present;            /* a bit for each place of a run, the lowest of a byte first; a run begins with a byte */
-  double *k, *c, *L;           /* one number when all are equal; otherwise one for each place */
+  double *k, *c, *L;           /* HK_SPRING_WIDEST times the number when all are equal; otherwise one for each place */
   bool each_k, each_c, each_L; /* the coefficient differs from spring to spring */
   bool damped;                 /* some c > 0 */
   int width;                   /* hk_host.lanes */
@@ -274,7 +275,7 @@ static inline double *hk_spring_arrange_numbers(const hk_spring_builder *b, cons
   const hk_spring_layout *s = b->layout;
   *each = !hk_spring_all_equal(from);
   double *list = b->host->allocate(b->host, ((*each ? s->places : 1) + HK_SPRING_BUNDLES) * sizeof *list);
-  if (list && !*each && from->count) list[0] = from->value[0];
+  for (size_t r = 0; list && !*each && from->count && r < HK_SPRING_WIDEST; r++) list[r] = from->value[0];
   for (size_t r = 0; list && *each && r < s->runs; r++) {
     const hk_spring_run *run = &s->run[r];
     size_t e = run->begin;

@@ -6,7 +6,7 @@
  * estimates, 0.24 with an estimate for the root alone; but the multipliers are what a spring needs too, so that a
  * damped one takes 1.26 ns with the estimated root and 1.09 without. */
 
-#define AHEAD (WIDTH == 8) /* registers for it */
+#define PRESENT(at, e) LANES_SET((at)->present[(e) / 8] >> (e) % 8)
 
 /* Four sums, in vectors of as many numbers as there are. */
 #if WIDTH == 8
@@ -15,23 +15,34 @@ typedef vector_4 NAME(hk_spring_four);
 typedef VECTOR NAME(hk_spring_four);
 #endif
 
-/* Springs on their way: their vectors, and what the scale is made of. */
+/* Springs on their way: their vectors, l^2 and w = u.d; then what the scale is made of, l and 1/l^2. */
+typedef struct NAME(hk_spring_reach) {
+  VECTOR d[3], l2, w;
+} NAME(hk_spring_reach);
+
 typedef struct NAME(hk_spring_stretch) {
-  VECTOR d[3], w, l, r; /* w = u.d, l, 1/l^2 */
-  LOGIC here;
+  VECTOR d[3], w, l, r;
 } NAME(hk_spring_stretch);
 
-TARGET HK_INLINE void NAME(hk_spring_set_stretch)(NAME(hk_spring_stretch) * t, VECTOR l2, VECTOR w, LOGIC here) {
-  VECTOR safe = CHOOSE(BOTH(here, EXCEEDS(l2, FILL(HK_SPRING_TINY))), l2, FILL(1.));
-  t->w = w, t->l = ROOT(safe), t->r = 1 / safe, t->here = here;
+TARGET HK_INLINE NAME(hk_spring_stretch) NAME(hk_spring_root)(const NAME(hk_spring_reach) * t) {
+  const VECTOR safe = CHOOSE(EXCEEDS(t->l2, FILL(HK_SPRING_TINY)), t->l2, FILL(1.));
+  return (NAME(hk_spring_stretch)){{t->d[0], t->d[1], t->d[2]}, t->w, ROOT(safe), 1 / safe};
 }
 
-/* s of springs e..; their c w^2/l^2 goes to *power. */
-TARGET HK_INLINE VECTOR NAME(hk_spring_scales)(const hk_spring_numbers *q, size_t e, const NAME(hk_spring_stretch) * t,
+/* s for the coefficients k, c and L; c w^2/l^2 goes to *power. */
+TARGET HK_INLINE VECTOR NAME(hk_spring_scales)(const VECTOR q[3], const NAME(hk_spring_stretch) * t, bool damped,
                                                VECTOR *power) {
-  VECTOR cwr = LOAD(q->c + (e & q->each_c)) * t->w * t->r;
+  VECTOR cwr = FILL(0.);
+  if (damped) cwr = q[1] * t->w * t->r;
   *power = cwr * t->w;
-  return LOAD(q->k + (e & q->each_k)) * (t->l - LOAD(q->L + (e & q->each_L))) * t->l * t->r + cwr;
+  return q[0] * (t->l - q[2]) * t->l * t->r + cwr;
+}
+
+/* k, c and L of springs e, ... */
+TARGET HK_INLINE void NAME(hk_spring_coefficients)(const hk_spring_numbers *from, size_t e, VECTOR q[3]) {
+  q[0] = LOAD(from->k + (e & from->each_k));
+  q[1] = LOAD(from->c + (e & from->each_c));
+  q[2] = LOAD(from->L + (e & from->each_L));
 }
 
 /* Springs e, e + 4, ... are summed first. */
@@ -60,10 +71,8 @@ TARGET HK_INLINE VECTOR NAME(hk_spring_sum3)(const VECTOR q[3]) {
 #if WIDTH == 2
   return PICK(q[0], q[1], 0, 3) + PICK(q[0], q[2], 1, 2) + PICK(q[1], q[2], 0, 3);
 #elif WIDTH == 4
-  VECTOR x = PICK(PICK(PICK(q[0], q[1], 0, 1, 6, 3), q[2], 0, 5, 2, 3), q[2], 0, 3, 2, 1);
-  VECTOR y = PICK(PICK(PICK(q[1], q[0], 0, 5, 2, 3), q[2], 0, 1, 6, 3), q[2], 1, 0, 3, 2);
-  VECTOR z = PICK(PICK(PICK(q[2], q[1], 0, 5, 2, 3), q[0], 0, 1, 6, 3), q[0], 2, 1, 0, 3);
-  return x + y + z;
+  VECTOR xy = HALVES(q[0], q[1]), zx = PICK(q[0], q[2], 2, 3, 4, 5), yz = HALVES(q[1], q[2]);
+  return PICK(xy, zx, 0, 5, 2, 7) + PICK(xy, yz, 1, 4, 3, 6) + PICK(zx, yz, 0, 5, 2, 7);
 #else
   VECTOR ax = PICK(q[0], q[1], 0, 9, 2, 3, 12, 5, 6, 15), ay = PICK(q[0], q[1], 0, 1, 10, 3, 4, 13, 6, 7);
   VECTOR az = PICK(q[0], q[1], 8, 1, 2, 11, 4, 5, 14, 7);
@@ -74,82 +83,110 @@ TARGET HK_INLINE VECTOR NAME(hk_spring_sum3)(const VECTOR q[3]) {
 #endif
 }
 
-TARGET HK_INLINE NAME(hk_spring_stretch) NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped) {
-  NAME(hk_spring_stretch) t;
-  VECTOR w = {0}, p[3];
-  const LOGIC here = LANES_SET(at->present[e / 8] >> e % 8);
+TARGET HK_INLINE NAME(hk_spring_reach)
+    NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped, bool gaps) {
+  NAME(hk_spring_reach) t = {.w = FILL(0.)};
+  VECTOR p[3];
   for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) t.d[r] = LOAD(at->xj + k) - LOAD(at->xi + k);
+  for (size_t r = 0; r < 3; r++) p[r] = t.d[r] * t.d[r];
+  t.l2 = NAME(hk_spring_sum3)(p);
   if (damped) {
     for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) p[r] = t.d[r] * (LOAD(at->vj + k) - LOAD(at->vi + k));
-    w = KEEP(here, NAME(hk_spring_sum3)(p));
+    t.w = NAME(hk_spring_sum3)(p);
   }
-  for (size_t r = 0; r < 3; r++) p[r] = t.d[r] * t.d[r];
-  NAME(hk_spring_set_stretch)(&t, NAME(hk_spring_sum3)(p), w, here);
+  if (gaps) t.l2 = KEEP(PRESENT(at, e), t.l2), t.w = KEEP(PRESENT(at, e), t.w);
   return t;
 }
 
-/* The forces are added to the first ends, and f gets them. */
-TARGET HK_INLINE void NAME(hk_spring_end_step)(const hk_spring_ways *at, size_t e, const NAME(hk_spring_stretch) * t,
-                                               NAME(hk_spring_four) * part, VECTOR f[3]) {
-  VECTOR power;
-  if (e % 4 == 0) hk_spring_fetch(&at->q, e);
-  const VECTOR s = KEEP(t->here, NAME(hk_spring_scales)(&at->q, e, t, &power));
-  NAME(hk_spring_add_power)(part, e, power);
+/* The forces are added to the first ends and subtracted from the second ones, or go to a buffer where both are near. */
+TARGET HK_INLINE void NAME(hk_spring_end_step)(const hk_spring_ways *at, size_t e, const VECTOR q[3],
+                                               const NAME(hk_spring_stretch) * t, bool damped, bool gaps,
+                                               NAME(hk_spring_four) * part, double *buffer) {
+  VECTOR power, f[3], s = NAME(hk_spring_scales)(q, t, damped, &power);
+  if (gaps) s = KEEP(PRESENT(at, e), s);
+  if (damped) NAME(hk_spring_add_power)(part, e, power);
   for (size_t r = 0; r < 3; r++) {
+    const size_t k = 3 * e + WIDTH * r;
     f[r] = t->d[r] * SPREAD(s, r);
-    ADD(at->Fi + 3 * e + WIDTH * r, f[r]);
-  }
-}
-
-/* Forces on the second ends go to them, or to a buffer where both ends are near. */
-TARGET HK_INLINE void NAME(hk_spring_end_run)(const hk_spring_ways *at, size_t e, const NAME(hk_spring_stretch) * t,
-                                              NAME(hk_spring_four) * part, double *buffer) {
-  VECTOR f[3];
-  NAME(hk_spring_end_step)(at, e, t, part, f);
-  for (size_t r = 0; r < 3; r++)
     if (buffer)
-      STORE(buffer + 3 * e + WIDTH * r, f[r]);
+      STORE(buffer + k, f[r]);
     else
-      ADD(at->Fj + 3 * e + WIDTH * r, -f[r]);
-}
-
-/* Springs e... of n, whole vectors. With AHEAD a step begins before the one ahead of it ends: the processor does not
- * see far enough ahead to find work while it waits for roots and reciprocals. Returns how far it came. */
-TARGET HK_INLINE size_t NAME(hk_spring_run_steps)(const hk_spring_ways *at, size_t e, size_t n, bool damped,
-                                                  double *buffer, NAME(hk_spring_four) * part) {
-  NAME(hk_spring_stretch) next;
-  if (AHEAD && e + WIDTH <= n) next = NAME(hk_spring_begin_step)(at, e, damped);
-  for (; e + WIDTH <= n; e += WIDTH) {
-    const NAME(hk_spring_stretch) now = AHEAD ? next : NAME(hk_spring_begin_step)(at, e, damped);
-    if (AHEAD && e + 2 * WIDTH <= n) next = NAME(hk_spring_begin_step)(at, e + WIDTH, damped);
-    NAME(hk_spring_end_run)(at, e, &now, part, buffer);
+      ADD(at->Fi + k, f[r]);
   }
-  return e;
+  for (size_t r = 0; r < 3 && !buffer; r++) ADD(at->Fj + 3 * e + WIDTH * r, -f[r]);
 }
 
-TARGET HK_INLINE double NAME(hk_spring_run_springs)(const hk_spring_ways *at, size_t n, bool damped, double *buffer) {
+/* Numbers k, ... of forces that are in a buffer, to first ends, and from those of them that are second ends as well the
+ * forces on these; around the buffer there is a margin of zeros. */
+TARGET HK_INLINE void NAME(hk_spring_add_near)(const hk_spring_ways *at, size_t k, const double *f) {
+  STORE(at->Fi + k, LOAD(at->Fi + k) + LOAD(f + k) - LOAD(f + k - (at->Fj - at->Fi)));
+}
+
+/* Springs e... of n, whole vectors, of which there has to be one: three stages, each a vector ahead of the next, for
+ * the processor does not see far enough ahead to find work while it waits for sums of products, and then for roots and
+ * reciprocals. */
+TARGET HK_INLINE void NAME(hk_spring_run_steps)(const hk_spring_ways *at, size_t e, size_t n, bool damped, bool each,
+                                                bool gaps, double *buffer, NAME(hk_spring_four) * part) {
+  const size_t last = n - WIDTH;
+  VECTOR q[3];
+  NAME(hk_spring_coefficients)(&at->q, 0, q);
+  NAME(hk_spring_reach) reach = NAME(hk_spring_begin_step)(at, e, damped, gaps);
+  NAME(hk_spring_stretch) stretch = NAME(hk_spring_root)(&reach);
+  if (e + WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + WIDTH, damped, gaps);
+  for (; e <= last; e += WIDTH) {
+    if (each) NAME(hk_spring_coefficients)(&at->q, e, q);
+    if (each && e % 8 == 0) hk_spring_fetch(&at->q, e);
+    NAME(hk_spring_end_step)(at, e, q, &stretch, damped, gaps, part, buffer);
+    for (size_t r = 0; r < 3 && buffer && e >= HK_SPRING_LAG; r++)
+      NAME(hk_spring_add_near)(at, 3 * (e - HK_SPRING_LAG) + WIDTH * r, buffer);
+    if (e + WIDTH <= last) stretch = NAME(hk_spring_root)(&reach);
+    if (e + 2 * WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + 2 * WIDTH, damped, gaps);
+  }
+}
+
+/* Whole vectors of n springs from e on, and of what eight are too wide for, one of four. */
+TARGET HK_INLINE double NAME(hk_spring_run_springs)(const hk_spring_ways *at, size_t n, bool damped, bool each,
+                                                    bool gaps, double *buffer) {
   NAME(hk_spring_four) part[WIDTH == 2 ? 2 : 1] = {{0}};
-  size_t e = NAME(hk_spring_run_steps)(at, 0, n, damped, buffer, part);
+  const size_t whole = n / WIDTH * WIDTH;
+  if (whole) NAME(hk_spring_run_steps)(at, 0, whole, damped, each, gaps, buffer, part);
 #if WIDTH == 8
-  hk_spring_run_steps_4(at, e, n, damped, buffer, part);
+  if (whole < n) hk_spring_run_steps_4(at, whole, n, damped, each, gaps, buffer, part);
 #endif
-  (void)e;
-  size_t k = 0;
-  for (; buffer && k + WIDTH <= 3 * n; k += WIDTH) ADD(at->Fj + k, -LOAD(buffer + k));
-  if (buffer && k < 3 * n) *(NAME(hk_spring_four) *)(at->Fj + k) -= *(const NAME(hk_spring_four) *)(buffer + k);
   return NAME(hk_spring_total)(part);
 }
 
 /* With a copy of its own, whose numbers stay in registers whatever is stored. */
-TARGET static inline double NAME(hk_spring_far_run)(const hk_spring_ways *at, size_t n, bool damped) {
+TARGET HK_INLINE double NAME(hk_spring_any_run)(const hk_spring_ways *at, size_t n, bool damped, double *buffer) {
   const hk_spring_ways own = *at;
-  return damped ? NAME(hk_spring_run_springs)(&own, n, true, NULL) : NAME(hk_spring_run_springs)(&own, n, false, NULL);
+  const bool each = own.q.each_k | own.q.each_c | own.q.each_L, gaps = hk_spring_has_gaps(own.present, n);
+  if (gaps) /* with masks for every vector: a branch is foreseen too seldom where rows are short */
+    return damped ? NAME(hk_spring_run_springs)(&own, n, true, each, true, buffer)
+                  : NAME(hk_spring_run_springs)(&own, n, false, each, true, buffer);
+  if (each)
+    return damped ? NAME(hk_spring_run_springs)(&own, n, true, true, false, buffer)
+                  : NAME(hk_spring_run_springs)(&own, n, false, true, false, buffer);
+  return damped ? NAME(hk_spring_run_springs)(&own, n, true, false, false, buffer)
+                : NAME(hk_spring_run_springs)(&own, n, false, false, false, buffer);
+}
+
+TARGET static inline double NAME(hk_spring_far_run)(const hk_spring_ways *at, size_t n, bool damped) {
+  return NAME(hk_spring_any_run)(at, n, damped, NULL);
 }
 
 TARGET static inline double NAME(hk_spring_near_run)(const hk_spring_ways *at, size_t n, bool damped) {
-  const hk_spring_ways own = *at;
-  double f[3 * HK_SPRING_BLOCK] __attribute__((aligned(64)));
-  return damped ? NAME(hk_spring_run_springs)(&own, n, true, f) : NAME(hk_spring_run_springs)(&own, n, false, f);
+  double room[3 * HK_SPRING_BLOCK + 2 * HK_SPRING_MARGIN] __attribute__((aligned(64)));
+  double *f = room + HK_SPRING_MARGIN;
+  const ptrdiff_t ahead = at->Fj - at->Fi;
+  const size_t apart = (size_t)(ahead < 0 ? -ahead : ahead), alone = apart < 3 * n ? apart : 3 * n;
+  memset(room, 0, HK_SPRING_MARGIN * sizeof *room);
+  memset(f + 3 * n, 0, HK_SPRING_MARGIN * sizeof *f);
+  const double power = NAME(hk_spring_any_run)(at, n, damped, f);
+  size_t k = n > HK_SPRING_LAG ? 3 * (n - HK_SPRING_LAG) : 0;
+  for (; k + WIDTH <= 3 * n; k += WIDTH) NAME(hk_spring_add_near)(at, k, f);
+  for (; k < 3 * n; k++) at->Fi[k] = at->Fi[k] + f[k] - f[(ptrdiff_t)k - ahead];
+  for (k = ahead < 0 ? alone : 3 * n; k-- > (ahead < 0 ? 0 : 3 * n - alone);) at->Fj[k] -= f[k];
+  return power;
 }
 
 /* ---- lists ---- */
@@ -195,35 +232,37 @@ TARGET HK_INLINE void NAME(hk_spring_store_pulls)(double (*xy)[2], double *z, co
 
 /* Springs of a slot from the bundle that `pair` belongs to, whose first ends are at x and v. Lanes beyond the slot have
  * any numbers. */
-TARGET HK_INLINE NAME(hk_spring_stretch)
-    NAME(hk_spring_begin_slot)(const hk_spring_ways *at, const uint32_t (*pair)[2], size_t count, const VECTOR x[3],
-                               const VECTOR v[3], bool damped) {
-  NAME(hk_spring_stretch) t;
-  VECTOR u[3], w = {0};
+TARGET HK_INLINE NAME(hk_spring_stretch) NAME(hk_spring_begin_slot)(const hk_spring_ways *at, const uint32_t (*pair)[2],
+                                                                    const VECTOR x[3], const VECTOR v[3], bool damped) {
+  NAME(hk_spring_reach) t = {.w = FILL(0.)};
+  VECTOR u[3];
   NAME(hk_spring_columns)(at->xi, pair, 1, t.d);
   for (size_t r = 0; r < 3; r++) t.d[r] -= x[r];
   if (damped) {
     NAME(hk_spring_columns)(at->vi, pair, 1, u);
     for (size_t r = 0; r < 3; r++) u[r] -= v[r];
-    w = t.d[0] * u[0] + t.d[1] * u[1] + t.d[2] * u[2];
+    t.w = t.d[0] * u[0] + t.d[1] * u[1] + t.d[2] * u[2];
   }
-  NAME(hk_spring_set_stretch)(&t, t.d[0] * t.d[0] + t.d[1] * t.d[1] + t.d[2] * t.d[2], w, LANES_SET(0xFF));
-  t.here = LANES_SET(0xFF >> (count < WIDTH ? 8 - count : 8 - WIDTH));
-  return t;
+  t.l2 = t.d[0] * t.d[0] + t.d[1] * t.d[1] + t.d[2] * t.d[2];
+  return NAME(hk_spring_root)(&t);
 }
 
 /* The forces of its springs e, ...: to `pulls`, added to sum[]; c w^2/l^2 to *part. */
 TARGET HK_INLINE void NAME(hk_spring_end_slot)(const hk_spring_ways *at, size_t e, const NAME(hk_spring_stretch) * t,
-                                               double (*xy)[2], double *z, VECTOR sum[3], VECTOR *part) {
-  VECTOR power, f[3];
-  const VECTOR s = NAME(hk_spring_scales)(&at->q, e, t, &power);
-  *part += KEEP(t->here, power);
-  for (size_t r = 0; r < 3; r++) f[r] = t->d[r] * s, sum[r] = ADD_KEPT(t->here, sum[r], f[r]);
+                                               size_t count, bool damped, double (*xy)[2], double *z, VECTOR sum[3],
+                                               VECTOR *part) {
+  const LOGIC here = LANES_SET(0xFF >> (count < WIDTH ? 8 - count : 8 - WIDTH));
+  VECTOR power, f[3], q[3];
+  NAME(hk_spring_coefficients)(&at->q, e, q);
+  const VECTOR s = NAME(hk_spring_scales)(q, t, damped, &power);
+  *part += KEEP(here, power);
+  for (size_t r = 0; r < 3; r++) f[r] = t->d[r] * s, sum[r] = ADD_KEPT(here, sum[r], f[r]);
   NAME(hk_spring_store_pulls)(xy, z, f);
 }
 
-/* Of a slice that begins at `pair` the bundles from number b on. With AHEAD as in a run. Where a vector has a whole
- * slot its forces are added at once: the processor does that while it waits for the roots of the next one. */
+/* Of a slice that begins at `pair` the bundles from number b on. A slot begins before the one ahead of it ends, as a
+ * vector of a run does. Where a vector has a whole slot its forces are added at once: the processor does that while it
+ * waits for the roots of the next one. */
 TARGET HK_INLINE void NAME(hk_spring_bundles)(const hk_spring_ways *at, size_t e, size_t b, const uint32_t (*pair)[2],
                                               const uint8_t *slot, bool damped, hk_spring_pulls *p, VECTOR *part) {
   const uint32_t(*own)[2] = pair + b;
@@ -231,16 +270,13 @@ TARGET HK_INLINE void NAME(hk_spring_bundles)(const hk_spring_ways *at, size_t e
   VECTOR x[3], v[3], sum[3] = {{0}, {0}, {0}};
   NAME(hk_spring_columns)(at->xi, own, 0, x);
   if (damped) NAME(hk_spring_columns)(at->vi, own, 0, v);
-  NAME(hk_spring_stretch) next;
-  if (AHEAD) next = NAME(hk_spring_begin_slot)(at, own, slot[0] - b, x, v, damped);
+  NAME(hk_spring_stretch) next = NAME(hk_spring_begin_slot)(at, own, x, v, damped);
   for (size_t t = 0; slot[t] > b; t++) {
     const size_t count = slot[t], row = whole ? 0 : t;
-    const NAME(hk_spring_stretch) now =
-        AHEAD ? next : NAME(hk_spring_begin_slot)(at, pair + b, count - b, x, v, damped);
+    const NAME(hk_spring_stretch) now = next;
     if (b == 0) __builtin_prefetch(pair + HK_SPRING_PREFETCH), hk_spring_fetch(&at->q, e);
-    if (AHEAD && slot[t + 1] > b)
-      next = NAME(hk_spring_begin_slot)(at, pair + count + b, slot[t + 1] - b, x, v, damped);
-    NAME(hk_spring_end_slot)(at, e + b, &now, p->xy[row] + b, p->z[row] + b, sum, part);
+    if (slot[t + 1] > b) next = NAME(hk_spring_begin_slot)(at, pair + count + b, x, v, damped);
+    NAME(hk_spring_end_slot)(at, e + b, &now, count - b, damped, p->xy[row] + b, p->z[row] + b, sum, part);
     if (whole) hk_spring_slot_push(p, pair, count, at->Fi);
     e += count, pair += count;
   }
@@ -270,4 +306,4 @@ TARGET static inline double NAME(hk_spring_list_run)(const hk_spring_ways *at, c
   return damped ? NAME(hk_spring_list_springs)(&own, list, true) : NAME(hk_spring_list_springs)(&own, list, false);
 }
 
-#undef AHEAD
+#undef PRESENT

@@ -178,6 +178,37 @@ static void a_force_that_can_be_passed_by_is_looked_at_in_every_step(void **stat
   }
 }
 
+/* The state after the run with a force without parts, whose work is F.v. */
+static double *state_beside_a_whole_force(const char *method, int threads, bool one_by_one) {
+  test_engine e;
+  open_net(&e, method, threads, NEAR);
+  test_number(&e, test_plugin(&e, HK_FORCE, "fixture:weak_central"), "strength", 2);
+  test_run(&e);
+  assert_true(hk_tile_fits(&e.run->loop));
+  if (one_by_one) e.run->loop.hooks.moved = do_nothing;
+  test_advance(&e, STEPS * h);
+  assert_int_equal(e.run->record.steps, STEPS);
+  double *X = malloc((6 * N + 1) * sizeof *X);
+  memcpy(X, e.run->state.X, (6 * N + 1) * sizeof *X);
+  test_engine_close(&e);
+  return X;
+}
+
+/* Steps are then taken one after another, each block begun for the next step when it is finished: bit by bit. */
+static void beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps(void **state) {
+  static const char *const methods[] = {"leapfrog", "stoermer"};
+  (void)state;
+  for (int m = 0; m < 2; m++) {
+    double *steps = state_beside_a_whole_force(methods[m], 1, true);
+    for (int threads = 1; threads <= 3; threads += 2) {
+      double *tiles = state_beside_a_whole_force(methods[m], threads, false);
+      assert_memory_equal(tiles, steps, (6 * N + 1) * sizeof *steps);
+      free(tiles);
+    }
+    free(steps);
+  }
+}
+
 /* m/s, of the fastest particle after 50 steps. */
 static double speed_after_50(void) {
   test_engine e;
@@ -222,6 +253,7 @@ int main(void) {
       cmocka_unit_test(tiles_of_any_length_are_the_same),
       cmocka_unit_test(without_an_order_a_tile_has_one_step),
       cmocka_unit_test(a_force_that_can_be_passed_by_is_looked_at_in_every_step),
+      cmocka_unit_test(beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps),
       cmocka_unit_test(a_step_fails_in_a_tile),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -34,7 +34,25 @@ static void names_make_no_lines(void **state) {
   assert_null(strchr(r.out, '\033'));
 }
 
+/* Where the others go block by block: 5,000 particles are several blocks. */
+static void a_force_without_parts_says_what_it_costs(void **state) {
+  static const char text[] =
+      "local scene = hooke.scene { duration = 0.1, fps = 10, integrator = 'leapfrog', dt = 0.05 }\n"
+      "local chain = scene:strand { n = 5000, from = {0, 0, 0}, to = {1, 0, 0}, mass = 1 }\n"
+      "scene:force('gravity')\n"
+      "scene:force('pull', { k = 1e-6 })\n"
+      "return scene\n";
+  (void)state;
+  static test_result r;
+  test_write("apart.lua", text);
+  test_hooke(&r, NULL, "run apart.lua --no-check");
+  assert_int_equal(count(r.out, "without parts: a sweep over the particles of its own"), 1);
+  test_hooke(&r, NULL, "explain apart.lua");
+  assert_int_equal(count(r.out, "without parts (add_part)"), 1);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(names_make_no_lines)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(names_make_no_lines),
+                                     cmocka_unit_test(a_force_without_parts_says_what_it_costs)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

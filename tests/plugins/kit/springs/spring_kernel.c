@@ -1,4 +1,4 @@
-/* The widths of the springs kernel give the same bits. */
+/* The widths of the springs kernel give the same bits, of runs those of one spring at a time. */
 #include "core/engine/base/base.h"
 #include "plugins/kit/springs/spring_kernel.h"
 
@@ -95,7 +95,68 @@ static void widths_give_the_same_bits(void **unused) {
   free(s);
 }
 
+/* The springs of a run of n one at a time. Where ends are near, forces on second ends follow those on first ones. */
+static void sum_singly(const hk_spring_ways *at, size_t n, bool near, bool damped, double *power) {
+  double f[3 * SPRINGS] = {0}, four[4] = {0};
+  for (size_t e = 0; e < n; e++) {
+    const bool here = at->present[e / 8] >> e % 8 & 1;
+    const double *xi = at->xi + 3 * e, *xj = at->xj + 3 * e, *vi = at->vi + 3 * e, *vj = at->vj + 3 * e;
+    const double d[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
+    const double w = damped ? d[0] * (vj[0] - vi[0]) + d[1] * (vj[1] - vi[1]) + d[2] * (vj[2] - vi[2]) : 0;
+    const double s = hk_spring_scale(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], w, at->q.k[e & at->q.each_k],
+                                     at->q.c[e & at->q.each_c], at->q.L[e & at->q.each_L], here ? &four[e % 4] : power);
+    for (int r = 0; r < 3; r++) {
+      f[3 * e + r] = (here ? s : 0) * d[r];
+      at->Fi[3 * e + r] += f[3 * e + r];
+      if (!near) at->Fj[3 * e + r] -= f[3 * e + r];
+    }
+  }
+  for (size_t e = 0; e < 3 * n && near; e++) at->Fj[e] -= f[e];
+  *power = (four[0] + four[1]) + (four[2] + four[3]);
+}
+
+/* Of runs whose second ends are `apart` particles behind the first ones, or before them. */
+static void compare_singly(int lanes, const state *s, size_t n, ptrdiff_t apart, bool each, bool damped) {
+  const size_t all = each ? ~(size_t)0 : 0, i = 3 * 360;
+  result *is = calloc(2, sizeof *is);
+  uint8_t present[SPRINGS / 8];
+  memset(present, 0xff, sizeof present);
+  for (size_t e = 0; e < n && each; e += 13) present[e / 8] &= (uint8_t) ~(1u << e % 8);
+  double k[HK_SPRING_WIDEST], c[HK_SPRING_WIDEST], L[HK_SPRING_WIDEST];
+  for (size_t r = 0; r < HK_SPRING_WIDEST; r++) k[r] = 70, c[r] = 2, L[r] = 0.4;
+  hk_spring_ways at = {.q = {each ? s->k : k, each ? s->c : c, each ? s->L : L, all, all, all},
+                       .present = present,
+                       .xi = s->x + i,
+                       .vi = s->v + i};
+  at.xj = at.xi + 3 * apart, at.vj = at.vi + 3 * apart;
+  const bool near = apart < HK_SPRING_FAR && -apart < HK_SPRING_FAR;
+  for (size_t q = 0; q < 3 * PARTICLES; q++) is[0].F[q] = is[1].F[q] = q % 2 ? -0.0 : 1e-3 * (double)q;
+  at.Fi = is[0].F + i, at.Fj = at.Fi + 3 * apart;
+  is[0].power =
+      near ? HK_WIDEST(lanes, hk_spring_near_run)(&at, n, damped) : HK_WIDEST(lanes, hk_spring_far_run)(&at, n, damped);
+  at.Fi = is[1].F + i, at.Fj = at.Fi + 3 * apart;
+  sum_singly(&at, n, near, damped, &is[1].power);
+  if (memcmp(&is[0], &is[1], sizeof *is)) print_error("%d lanes, %zu springs, ends %td apart\n", lanes, n, apart);
+  assert_memory_equal(&is[0], &is[1], sizeof *is);
+  free(is);
+}
+
+static void runs_have_the_bits_of_one_spring_at_a_time(void **unused) {
+  const ptrdiff_t apart[] = {1, 2, 15, 16, 60, -1, -2, -15, -16, -300};
+  const size_t n[] = {4, 8, 12, 28, 32, 36, 44, 64, 100, SPRINGS};
+  state *s = calloc(1, sizeof *s);
+  (void)unused;
+  fill(s);
+  for (int lanes = 2; lanes <= hk_processor_lanes(); lanes *= 2)
+    for (size_t a = 0; a < sizeof apart / sizeof *apart; a++)
+      for (size_t k = 0; k < sizeof n / sizeof *n; k++)
+        for (int variant = 0; variant < 4; variant++)
+          compare_singly(lanes, s, n[k], apart[a], variant & 1, variant & 2);
+  free(s);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(widths_give_the_same_bits)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(widths_give_the_same_bits),
+                                     cmocka_unit_test(runs_have_the_bits_of_one_spring_at_a_time)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
