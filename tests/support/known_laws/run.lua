@@ -105,7 +105,7 @@ local function make_run(s, o, folder, method, accuracy)
   local ok, wrong = code == 0, r.error > r.bound
   if not ok and code ~= 3 and code ~= 5 then r.kind = "broken"
   -- Nobody has asked for an accuracy, the method damps by design, and the verdict says what it damps.
-  elseif ok and wrong and r.reason:find("damps what swings faster") then r.kind = "damped"
+  elseif ok and wrong and json:find("damps what swings faster", 1, true) then r.kind = "damped"
   elseif ok then r.kind = wrong and "OK+WRONG" or "ok"
   elseif wrong then r.kind = "rightly"
   else r.kind = r.error < CLEAR * r.bound and "false alarm" or "close" end
