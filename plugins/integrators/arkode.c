@@ -28,6 +28,8 @@
 enum { ERK, DIRK, PATIENCE = 20 };
 enum { SPARSE, KRYLOV };
 
+static const double very_short = 1e-3; /* of the planned step */
+
 typedef struct arkode {
   hk_sundials sundials; /* first member */
   int method, solver;
@@ -38,6 +40,7 @@ typedef struct arkode {
   double fixed;    /* s, the dt that the user gave; 0: none, ARKODE chooses the steps */
   bool running;    /* whether ARKODE's state is X */
   double planned;  /* s, length of the next step that ARKODE proposes */
+  double most;     /* s, the last h of the host that was shorter than `planned`, but not very; 0: no limit */
   double t;        /* s, ARKODE's time */
 } arkode;
 
@@ -150,8 +153,8 @@ static hk_status topology(void *self, const hk_view *view) { return set_up(self,
 
 static void reset(void *self, hk_reason why) {
   arkode *m = self;
-  (void)why;
   m->running = false;
+  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 static hk_status start(arkode *m, hk_system *s, double span, double h) {
@@ -180,13 +183,21 @@ static double error_of(const arkode *m) {
   return hk_sundials_norm(m->error, m->weight);
 }
 
+/* s, the longest that a step may be. After one that the host made shorter SUNDIALS may take more than it plans, so that
+ * limit stays; but a piece between two cuts that is very short says nothing of later steps. */
+static double longest_step(arkode *m, double h) {
+  bool planned = m->planned < INFINITY, limited = planned && h < m->planned * (1 - 1e-12);
+  if (limited && h > very_short * m->planned) m->most = h;
+  if (limited || !planned) return m->most > 0 ? fmin(m->most, h) : h;
+  return m->most > 0 ? m->most : INFINITY;
+}
+
 /* Determines the end of the next step. ARKODE gets the length of a fixed step, or otherwise a stop time. */
 static int prepare(arkode *m, const hk_system *s, double t_stop, double h, double *stop) {
   double span = t_stop - s->t;
   *stop = t_stop;
   if (!(m->fixed > 0)) {
-    bool limited = h < m->planned * (1 - 1e-12); /* by the host, in this step; later ones may be longer again */
-    double limit = limited ? h : INFINITY;
+    double limit = longest_step(m, h);
     if (t_stop - s->t > limit * (1 + 1e-9)) *stop = s->t + limit;
     return ARK(SetStopTime)(m->memory, *stop);
   }

@@ -23,6 +23,8 @@
 enum { BDF, ADAMS };
 enum { AUTO, SPARSE, KRYLOV, FIXED_POINT };
 
+static const double very_short = 1e-3; /* of the planned step */
+
 typedef struct cvode {
   hk_sundials sundials; /* first member */
   int method, solver;
@@ -32,6 +34,7 @@ typedef struct cvode {
   N_Vector error, weight; /* NULL without `estimate` */
   bool running;           /* whether CVODE's history is that of X */
   double planned;         /* s, length of the next step that CVODE proposes */
+  double most;            /* s, the last h of the host that was shorter than `planned`, but not very; 0: no limit */
   double t;               /* s, CVODE's time */
 } cvode;
 
@@ -159,8 +162,8 @@ static hk_status topology(void *self, const hk_view *view) { return set_up(self,
 
 static void reset(void *self, hk_reason why) {
   cvode *m = self;
-  (void)why;
   m->running = false;
+  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 /* The correction that projects X onto the constraints. CVODE adds it to its history; a projection by the host would
@@ -211,6 +214,15 @@ static int evolve(cvode *m, double stop) {
   return flag >= 0 ? CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP) : flag;
 }
 
+/* s, the longest that a step may be. After one that the host made shorter SUNDIALS may take more than it plans, so that
+ * limit stays; but a piece between two cuts that is very short says nothing of later steps. */
+static double longest_step(cvode *m, double h) {
+  bool planned = m->planned < INFINITY, limited = planned && h < m->planned * (1 - 1e-12);
+  if (limited && h > very_short * m->planned) m->most = h;
+  if (limited || !planned) return m->most > 0 ? fmin(m->most, h) : h;
+  return m->most > 0 ? m->most : INFINITY;
+}
+
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   cvode *m = self;
   double stop = t_stop;
@@ -222,8 +234,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
     hk_status status = start(m, s, t_stop - s->t);
     if (status != HK_OK) return status;
   }
-  bool limited = h < m->planned * (1 - 1e-12); /* by the host, in this step; later ones may be longer again */
-  double limit = limited ? h : INFINITY;
+  double limit = longest_step(m, h);
   if (t_stop - s->t > limit * (1 + 1e-9)) stop = s->t + limit;
   m->running = false;
   int flag = evolve(m, stop);

@@ -43,7 +43,7 @@ static void a_short_piece_leaves_later_steps_as_long_as_they_were(void **state) 
     size_t without = steps_with_cuts(methods[k][0], methods[k][1], NULL);
     size_t with = steps_with_cuts(methods[k][0], methods[k][1], cut);
     print_message("%s %s: %zu steps, with a piece of 1e-6 s %zu\n", methods[k][0], methods[k][1], without, with);
-    assert_true(with < without + without / 2 + 100); /* with a limit of 3e-7 s that stays, 1e7 */
+    assert_true(with < 3 * without); /* with a limit of 3e-7 s that stays, 1e7 */
   }
 }
 
