@@ -104,12 +104,13 @@ static void settle_doubt(hk_comparison *c) {
   if (!c->has_reference && c->compared) hk_comparison_use_half(c);
 }
 
-/* What functions of time do between evaluations counts; energies that are not balanced may be a few large numbers of
- * steps that damp, while the positions are right. A larger effort, or half the step, may defend the run. */
+/* What functions of time do between evaluations counts, and frames do not refute it; energies that are not balanced may
+ * be a few large numbers of steps that damp, while the positions are right. A larger effort, or half the step, may
+ * defend the run. */
 static void judge_without_reference(hk_comparison *c) {
   hk_run *run = c->whole;
   hk_judge(&run->loop, &run->judgement, &run->asked);
-  if (run->judgement.verdict != HK_INACCURATE) return;
+  if (run->judgement.verdict != HK_INACCURATE || (c->sampling.varies && c->sampling.where)) return;
   if (is_short(run)) hk_comparison_reference(c, HK_EFFORT_MEDIUM, true);
   if (!c->has_reference && take_half_in_defence(c)) {
     hk_comparison_use_half(c);
