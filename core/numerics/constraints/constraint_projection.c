@@ -333,7 +333,9 @@ static hk_status solve_for(hk_dynamics *d, const double *q) {
 }
 
 void hk_constraints_forget(hk_dynamics *d) {
-  if (d->constraints) d->constraints->kept = false;
+  if (!d->constraints) return;
+  d->constraints->kept = false;
+  hk_releases_forget(d->constraints);
 }
 
 static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double h, double *x, double *v,

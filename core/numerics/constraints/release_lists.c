@@ -16,6 +16,16 @@ hk_status hk_releases_open(hk_dynamics *d) {
   return fine ? HK_OK : hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
 }
 
+void hk_releases_forget(hk_constraints *c) {
+  hk_releases *r = &c->releases;
+  for (size_t k = 0; k < c->equations; k++) {
+    r->acts[k] = r->freed[k] = false;
+    r->before[k] = r->most[k] = 0;
+  }
+  r->equation = r->cuts = 0;
+  r->begin = r->end = r->left = r->until = 0;
+}
+
 void hk_releases_close(hk_releases *r) {
   void *lists[] = {r->acts, r->freed, r->rests, r->before, r->most, r->after, r->scale, r->slope};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) free(lists[k]);

@@ -106,7 +106,7 @@ local function make_run(s, o, folder, method, accuracy)
   if not ok and code ~= 3 and code ~= 5 then r.kind = "broken"
   -- Nobody has asked for an accuracy, the method damps by design, and the verdict says what it damps.
   elseif ok and wrong and json:find("damps what swings faster", 1, true) then r.kind = "damped"
-  elseif ok then r.kind = wrong and "OK+WRONG" or "ok"
+  elseif ok then r.kind = not wrong and "ok" or accuracy and "OK+WRONG" or "visible"
   elseif wrong then r.kind = "rightly"
   else r.kind = r.error < CLEAR * r.bound and "false alarm" or "close" end
   return r
@@ -114,7 +114,7 @@ end
 
 -- ---- counting ----
 
-local kinds = { "ok", "OK+WRONG", "damped", "rightly", "close", "false alarm", "refused", "too long", "broken" }
+local kinds = { "ok", "OK+WRONG", "visible", "damped", "rightly", "close", "false alarm", "refused", "too long", "broken" }
 
 local function print_table(title, counts, names)
   io.write(("\n%-18s"):format(title))
@@ -160,7 +160,7 @@ function known.measure(o)
       count(by_family, family, r.kind)
       count(by_method, method, r.kind)
       count(total, "together", r.kind)
-      if r.kind == "OK+WRONG" or r.kind == "broken" or o.list and r.kind == "false alarm" or o.one then
+      if r.kind == "OK+WRONG" or r.kind == "visible" or r.kind == "broken" or o.list and r.kind == "false alarm" or o.one then
         print(("%s: --one %s --seed %d --methods %s --accuracies %s: error %.3g, bound %.3g, dt %s, %s"):format(r.kind, family,
           seed, method, accuracy or "none", r.error or 0 / 0, r.bound, s.dt or "chosen", r.reason))
         io.stdout:flush()
