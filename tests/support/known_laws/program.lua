@@ -1,5 +1,6 @@
 -- The test: nothing is called ok that is not as accurate as was asked, and nothing breaks. Where nobody asked, one run in a
--- hundred may be off by more than a tenth of its motion ("visible"), without a comparison that would cost too much. With arguments, a measurement:
+-- hundred may be off by more than a tenth of its motion ("visible"), without a comparison that would cost too much. With
+-- arguments, a measurement:
 --   HK_ROOT=. HK_BUILD=build lua tests/physics/known_laws.lua --seed 7 --cases 500 --runs 4 --family bounce --list
 --   HK_ROOT=. HK_BUILD=build lua tests/physics/known_laws.lua --one bounce --seed 123 --methods leapfrog --accuracies 1e-4
 local known = require("known_laws.run")
