@@ -1,0 +1,153 @@
+/* What the blocks of a grid hold: values, which points are inside, which edges the surface crosses, and their
+ * triangles. The number of a vertex is that of its block's first one, and of the crossed edges before its own, by
+ * points and then by directions; so neighbours find it without a table of edges. */
+#include "plugins/common/isosurface/grid_blocks.h"
+
+#include <string.h>
+
+static const double *array_row(const hk_surface_work *w, const size_t corner[3], size_t y, size_t z) {
+  size_t i[3] = {0, hk_grid_point(w, 1, corner[1] + y), hk_grid_point(w, 2, corner[2] + z)};
+  return w->field->values + hk_grid_index(w, i);
+}
+
+static void read_array(const hk_surface_work *w, const size_t corner[3], double *value) {
+  bool whole = corner[0] > 0 && corner[0] + HK_SIDE <= w->grid->points[0];
+  for (size_t z = 0; z < HK_POINTS; z++)
+    for (size_t y = 0; y < HK_POINTS; y++, value += HK_POINTS) {
+      const double *row = array_row(w, corner, y, z);
+      if (whole) memcpy(value, row + corner[0] - 1, HK_POINTS * sizeof *value);
+      for (size_t x = 0; !whole && x < HK_POINTS; x++) value[x] = row[hk_grid_point(w, 0, corner[0] + x)];
+    }
+}
+
+static void evaluate(const hk_surface_work *w, const size_t corner[3], double *value) {
+  double place[HK_BLOCK_POINTS][3];
+  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
+    place[k][0] = hk_point_place(w, 0, corner[0] + k % HK_POINTS);
+    place[k][1] = hk_point_place(w, 1, corner[1] + k / HK_POINTS % HK_POINTS);
+    place[k][2] = hk_point_place(w, 2, corner[2] + k / (HK_POINTS * HK_POINTS));
+  }
+  w->field->evaluate(w->field->self, (const double(*)[3])place, HK_BLOCK_POINTS, value);
+}
+
+static unsigned within(const hk_surface_work *w, int axis, size_t corner) {
+  unsigned bits = 0;
+  for (unsigned k = 0; k < HK_POINTS; k++) bits |= (unsigned)!hk_in_layer(w, axis, corner + k) << k;
+  return bits;
+}
+
+static void mark_inside(const hk_surface_work *w, const size_t corner[3], hk_block_values *b) {
+  unsigned in_x = within(w, 0, corner[0]), in_y = within(w, 1, corner[1]), in_z = within(w, 2, corner[2]);
+  for (unsigned row = 0; row < HK_POINTS * HK_POINTS; row++) {
+    const double *value = b->value + (size_t)HK_POINTS * row;
+    unsigned bits = 0;
+    for (unsigned k = 0; k < HK_POINTS; k++) bits |= (unsigned)(value[k] >= w->options->level) << k;
+    bool outside = !(in_y >> row % HK_POINTS & 1) || !(in_z >> row / HK_POINTS & 1);
+    b->inside[row] = (uint16_t)(outside ? 0 : bits & in_x);
+  }
+}
+
+bool hk_block_load(const hk_surface_work *w, size_t number, hk_block_values *b, size_t *bad) {
+  size_t corner[3];
+  unsigned wrong = 0;
+  hk_block_corner(w, number, corner);
+  w->field->values ? read_array(w, corner, b->value) : evaluate(w, corner, b->value);
+  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(b->value[k]);
+  for (*bad = 0; wrong && hk_value_allowed(b->value[*bad]);) ++*bad;
+  mark_inside(w, corner, b);
+  return !wrong;
+}
+
+bool hk_block_excluded(const hk_surface_work *w, size_t number) {
+  size_t corner[3];
+  double low[3], high[3], range[2];
+  bool layer = false;
+  if (!w->field->bounds) return false;
+  hk_block_corner(w, number, corner);
+  for (int c = 0; c < 3; c++) {
+    low[c] = hk_point_place(w, c, corner[c]), high[c] = hk_point_place(w, c, corner[c] + HK_SIDE);
+    layer = layer || hk_in_layer(w, c, corner[c]) || hk_in_layer(w, c, corner[c] + HK_SIDE);
+  }
+  w->field->bounds(w->field->self, low, high, range);
+  return range[1] < w->options->level || (range[0] >= w->options->level && !layer);
+}
+
+bool hk_block_at_border(const hk_surface_work *w, size_t number, const hk_block_values *b, size_t *point) {
+  size_t corner[3];
+  bool border = false;
+  hk_block_corner(w, number, corner);
+  for (int c = 0; c < 3; c++) border = border || corner[c] == 0 || corner[c] + HK_SIDE >= w->grid->points[c];
+  for (*point = 0; border && *point < HK_BLOCK_POINTS; ++*point) {
+    size_t at[3] = {*point % HK_POINTS, *point / HK_POINTS % HK_POINTS, *point / (HK_POINTS * HK_POINTS)};
+    if (!(b->inside[*point / HK_POINTS] >> at[0] & 1)) continue;
+    for (int c = 0; c < 3; c++)
+      if (corner[c] + at[c] == 1 || corner[c] + at[c] == w->grid->points[c]) return true;
+  }
+  return false;
+}
+
+bool hk_block_mixed(const hk_block_values *b) {
+  unsigned any = 0, all = (1U << HK_POINTS) - 1;
+  for (size_t row = 0; row < HK_POINTS * HK_POINTS; row++) any |= b->inside[row], all &= b->inside[row];
+  return any != all;
+}
+
+void hk_block_count(const hk_surface_work *w, hk_surface_block *b, const hk_block_values *values) {
+  static const uint8_t along_axes = 1 << 0 | 1 << 1 | 1 << 3;
+  uint8_t directions = w->options->method == HK_MARCHING_CUBES ? along_axes : 127;
+  memcpy(b->inside, values->inside, sizeof b->inside);
+  b->vertices = b->triangles = 0;
+  for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
+    unsigned mask = hk_cell_mask(b->inside, k / 64 * HK_POINTS + k / 8 % 8, k % 8);
+    b->before[k] = (uint16_t)b->vertices;
+    b->crossed[k] = (uint8_t)((mask >> 1 ^ (mask & 1 ? 127 : 0)) & directions);
+    for (unsigned d = b->crossed[k]; d; d &= d - 1) b->vertices++;
+    b->triangles += w->cases[mask].triangles;
+  }
+}
+
+typedef struct neighbours { /* bit c: the next block on axis c */
+  const hk_surface_block *of[8];
+} neighbours;
+
+static neighbours find_neighbours(const hk_surface_work *w, size_t number) {
+  neighbours n = {{NULL}};
+  size_t corner[3];
+  hk_block_corner(w, number, corner);
+  for (size_t k = 0; k < 8; k++) {
+    size_t at[3];
+    bool exists = true;
+    for (size_t c = 0; c < 3; c++) {
+      at[c] = corner[c] / HK_SIDE + (k >> c & 1);
+      exists = exists && at[c] < w->blocks[c];
+    }
+    uint32_t slot = exists ? w->slot[(at[2] * w->blocks[1] + at[1]) * w->blocks[0] + at[0]] : (uint32_t)HK_EMPTY;
+    n.of[k] = slot == (uint32_t)HK_EMPTY ? NULL : &w->block[slot];
+  }
+  return n;
+}
+
+static uint32_t vertex(const neighbours *n, const unsigned cell[3], unsigned edge) {
+  unsigned at[3], block = 0, direction = edge >> 3;
+  for (unsigned c = 0; c < 3; c++) {
+    at[c] = cell[c] + (edge >> c & 1);
+    if (at[c] == HK_SIDE) at[c] = 0, block |= 1U << c;
+  }
+  const hk_surface_block *b = n->of[block];
+  unsigned point = (at[2] * HK_SIDE + at[1]) * HK_SIDE + at[0];
+  size_t number = b->first_vertex + b->before[point];
+  for (unsigned d = b->crossed[point] & ((1U << (direction - 1)) - 1); d; d &= d - 1) number++;
+  return (uint32_t)number;
+}
+
+void hk_block_triangles(const hk_surface_work *w, size_t slot) {
+  const hk_surface_block *b = &w->block[slot];
+  neighbours n = find_neighbours(w, b->number);
+  uint32_t(*triangle)[3] = w->found.triangle + b->first_triangle;
+  for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
+    const unsigned cell[3] = {k % 8, k / 8 % 8, k / 64};
+    const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, cell[2] * HK_POINTS + cell[1], cell[0])];
+    for (unsigned t = 0; t < c->triangles; t++, triangle++)
+      for (int corner = 0; corner < 3; corner++) (*triangle)[corner] = vertex(&n, cell, c->edge[t][corner]);
+  }
+}
