@@ -72,23 +72,28 @@ static void place_of(const crossing *k, double x[3]) {
   for (int c = 0; c < 3; c++) x[c] = k->a.place[c] + k->t * (k->b.place[c] - k->a.place[c]);
 }
 
-/* One step of the Illinois method for each vertex: the bracket [t, value] of `low` and `high` closes around the zero,
- * and the value of an end that stays twice is halved. */
+/* Between `low`, where f is not below the level, and `high`, where it is; `third` is the end before the last move, NAN
+ * at the beginning. */
 typedef struct bracket {
-  double low, high, at_low, at_high;
-  int stayed; /* -1: the low end moved last; 1: the high one */
+  double low, high, third, at_low, at_high, at_third, best, at_best; /* t, and f - level there */
 } bracket;
 
 static void narrow(bracket *r, double t, double value) {
-  if (value >= 0) {
-    r->low = t, r->at_low = value;
-    if (r->stayed == -1) r->at_high /= 2;
-    r->stayed = -1;
-  } else {
-    r->high = t, r->at_high = value;
-    if (r->stayed == 1) r->at_low /= 2;
-    r->stayed = 1;
-  }
+  if (value >= 0)
+    r->third = r->low, r->at_third = r->at_low, r->low = t, r->at_low = value;
+  else
+    r->third = r->high, r->at_third = r->at_high, r->high = t, r->at_high = value;
+}
+
+/* The zero within the bracket of the parabola through the three points (Muller 1956), which has exactly one there, as
+ * its ends differ in sign: f(low + u) = at_low + slope u + bend u (u - width). */
+static double next_guess(const bracket *r) {
+  double width = r->high - r->low, slope = (r->at_high - r->at_low) / width;
+  double bend = ((r->at_third - r->at_low) / (r->third - r->low) - slope) / (r->third - r->high);
+  double b = slope - bend * width, root = sqrt(b * b - 4 * bend * r->at_low);
+  double t = r->low + (b < 0 ? 2 * r->at_low / (root - b) : -(b + root) / (2 * bend));
+  if (!(t >= r->low && t <= r->high)) t = r->low + width * zero_between(r->at_low, r->at_high);
+  return t;
 }
 
 static void note_not_finite(batch *b, const double x[3]) {
@@ -97,24 +102,29 @@ static void note_not_finite(batch *b, const double x[3]) {
   for (int c = 0; c < 3; c++) b->block->place[c] = x[c];
 }
 
+/* Takes the value at x, where the vertex is, and moves it on; `best` keeps the nearest to the level up to now. */
+static void move_on(batch *b, bracket *r, crossing *at, double value, const double x[3]) {
+  if (!hk_value_allowed(value)) note_not_finite(b, x);
+  if (!hk_value_allowed(value) || !(at->b.value < 0)) return;
+  value -= b->w->options->level;
+  if (fabs(value) < fabs(r->at_best)) r->best = at->t, r->at_best = value;
+  narrow(r, at->t, value);
+  at->t = r->at_low > 0 ? next_guess(r) : r->low;
+}
+
+/* A vertex ends at the best place that was evaluated, never at one that rounding has spoilt. */
 static void project(batch *b) {
   const hk_isosurface_field *f = b->w->field;
   double place[BATCH][3], value[BATCH];
   bracket of[BATCH];
-  for (size_t k = 0; k < b->count; k++) of[k] = (bracket){0, 1, b->at[k].a.value, b->at[k].b.value, 0};
-  for (unsigned step = 0; step < b->w->options->steps; step++) {
+  for (size_t k = 0; k < b->count; k++)
+    of[k] = (bracket){0, 1, NAN, b->at[k].a.value, b->at[k].b.value, NAN, b->at[k].t, INFINITY};
+  for (unsigned step = 0; step <= b->w->options->steps; step++) {
     for (size_t k = 0; k < b->count; k++) place_of(&b->at[k], place[k]);
     f->evaluate(f->self, (const double(*)[3])place, b->count, value);
-    for (size_t k = 0; k < b->count; k++) {
-      crossing *at = &b->at[k];
-      bracket *r = &of[k];
-      if (!hk_value_allowed(value[k])) note_not_finite(b, place[k]);
-      if (!(at->b.value < 0) || !hk_value_allowed(value[k])) continue;
-      narrow(r, at->t, value[k] - b->w->options->level);
-      if (r->at_low > 0 && r->at_high < 0) at->t = r->low + (r->high - r->low) * zero_between(r->at_low, r->at_high);
-      if (r->at_low == 0) at->t = r->low;
-    }
+    for (size_t k = 0; k < b->count; k++) move_on(b, &of[k], &b->at[k], value[k], place[k]);
   }
+  for (size_t k = 0; k < b->count; k++) b->at[k].t = of[k].best;
 }
 
 /* Central differences over the neighbours of a point of the grid, one-sided at its border. */

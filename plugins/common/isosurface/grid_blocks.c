@@ -87,9 +87,10 @@ bool hk_block_at_border(const hk_surface_work *w, size_t number, const hk_block_
 }
 
 bool hk_block_mixed(const hk_block_values *b) {
-  unsigned any = 0, all = (1U << HK_POINTS) - 1;
+  const unsigned full = (1U << HK_POINTS) - 1;
+  unsigned any = 0, all = full;
   for (size_t row = 0; row < HK_POINTS * HK_POINTS; row++) any |= b->inside[row], all &= b->inside[row];
-  return any != all;
+  return any != 0 && all != full;
 }
 
 void hk_block_count(const hk_surface_work *w, hk_surface_block *b, const hk_block_values *values) {
@@ -121,8 +122,8 @@ static neighbours find_neighbours(const hk_surface_work *w, size_t number) {
       at[c] = corner[c] / HK_SIDE + (k >> c & 1);
       exists = exists && at[c] < w->blocks[c];
     }
-    uint32_t slot = exists ? w->slot[(at[2] * w->blocks[1] + at[1]) * w->blocks[0] + at[0]] : (uint32_t)HK_EMPTY;
-    n.of[k] = slot == (uint32_t)HK_EMPTY ? NULL : &w->block[slot];
+    uint32_t slot = exists ? w->slot[(at[2] * w->blocks[1] + at[1]) * w->blocks[0] + at[0]] : hk_no_slot;
+    n.of[k] = slot == hk_no_slot ? NULL : &w->block[slot];
   }
   return n;
 }

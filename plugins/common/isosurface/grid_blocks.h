@@ -9,7 +9,7 @@
 
 enum { HK_SIDE = 8, HK_POINTS = HK_SIDE + 1, HK_BLOCK_CELLS = 512, HK_BLOCK_POINTS = 729 };
 
-enum { HK_EMPTY = UINT32_MAX }; /* the slot of a block without a surface */
+static const uint32_t hk_no_slot = UINT32_MAX; /* the slot of a block without a surface */
 
 typedef struct hk_block_values {
   double value[HK_BLOCK_POINTS];          /* x fastest */
@@ -33,7 +33,7 @@ typedef struct hk_surface_work {
   const hk_isosurface_field *field;
   const hk_isosurface_options *options;
   size_t blocks[3], bytes; /* allocated up to now */
-  uint32_t *slot;          /* of each block: its place in `block`, or HK_EMPTY */
+  uint32_t *slot;          /* of each block: its place in `block`, or hk_no_slot */
   size_t count;
   hk_surface_block *block; /* count, numbers rise */
   double *kept;            /* count x HK_BLOCK_POINTS, of fields that are evaluated */

@@ -161,14 +161,14 @@ static hk_status find_blocks(hk_surface_work *w) {
     if (w->slot[k] > CROSSED) return refuse(w, k, w->slot[k] == LEAVES);
   for (size_t k = 0; k < blocks; k++) w->count += w->slot[k];
   if (w->count == 0) return refuse_empty(w, blocks);
-  if (w->count < HK_EMPTY)
+  if (w->count < hk_no_slot)
     status = allocate(w, &w->block, w->count, sizeof *w->block, "blocks at the surface");
   else
     status =
         w->host->fail(w->host, HK_BAD_PARAM, "isosurface: %zu blocks at the surface: take a larger spacing", w->count);
   for (size_t k = 0, slot = 0; k < blocks && status == HK_OK; k++) {
     bool crossed = w->slot[k];
-    w->slot[k] = crossed ? (uint32_t)slot : (uint32_t)HK_EMPTY;
+    w->slot[k] = crossed ? (uint32_t)slot : hk_no_slot;
     if (crossed) w->block[slot++].number = k;
   }
   return status;

@@ -42,8 +42,9 @@ typedef struct hk_isosurface_options { /* zeroed ones are valid */
   /* Beyond the box all is outside: the surface is closed along the faces of the box, where triangles may have no area.
    * Without it a surface that leaves the box is an error. */
   bool close;
-  /* With `evaluate`: steps of the Illinois method (Dowell and Jarratt 1971), one evaluation each, that move a vertex
-   * along its edge onto f = level; 0 leaves it where linear interpolation has it, off by the order of spacing^2. */
+  /* With `evaluate`: steps of a bracketed Muller's method (Muller 1956), of one evaluation each and one more in all,
+   * that move a vertex along its edge onto f = level; 0 leaves it where linear interpolation has it, off by the order
+   * of spacing^2. */
   unsigned steps;
   /* Vertices keep this part of their edge away from both ends, 0 to 0.5: with 0 triangles may have no area where
    * values equal the level. */

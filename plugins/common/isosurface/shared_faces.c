@@ -28,7 +28,7 @@ static bool agrees(const hk_surface_work *w, const hk_surface_block *b) {
     size_t at = corner[axis] / HK_SIDE;
     if (side ? at + 1 == w->blocks[axis] : at == 0) continue; /* all outside, in the layer */
     uint32_t slot = w->slot[side ? b->number + step[axis] : b->number - step[axis]];
-    if (!same_face(b, slot == (uint32_t)HK_EMPTY ? NULL : &w->block[slot], axis, side)) return false;
+    if (!same_face(b, slot == hk_no_slot ? NULL : &w->block[slot], axis, side)) return false;
   }
   return true;
 }
