@@ -8,68 +8,92 @@
 
 enum { BATCH = 64 };
 
-typedef struct edge_end {
-  size_t point[3];        /* of the lattice */
-  double place[3], value; /* value: f - level */
-} edge_end;
+typedef struct axis_point { /* a point of the block on one axis */
+  double place;             /* m */
+  size_t offset;            /* what it adds to the index of a value */
+  size_t up, down;          /* steps to the neighbours on the grid, 0 where there is none, in the array */
+  double rate;              /* 1 / their distance, 1/m */
+  bool layer;               /* in the layer around the grid */
+} axis_point;
 
 typedef struct crossing {
-  edge_end a, b;
-  double t, outwards[3]; /* where the gradient vanishes */
-  bool capped;           /* b is in the layer */
+  uint8_t a[3], b[3]; /* points of the block */
+  double at_a, at_b;  /* f - level: at_a >= 0 */
+  double t;
+  bool capped; /* b is in the layer */
 } crossing;
 
 typedef struct batch {
   const hk_surface_work *w;
   hk_surface_block *block;
-  const double *values; /* of the block; NULL: those of the array */
+  const double *values; /* of the block, or of the array */
+  axis_point axis[3][HK_POINTS];
   size_t first, count;
   crossing at[BATCH];
 } batch;
 
-static double point_value(const batch *b, const size_t point[3]) {
-  size_t i[3], corner[3];
-  for (int c = 0; c < 3; c++) i[c] = hk_grid_point(b->w, c, point[c]);
-  if (!b->values) return b->w->field->values[hk_grid_index(b->w, i)];
+static void fill_axes(batch *b) {
+  const hk_isosurface_grid *grid = b->w->grid;
+  size_t corner[3], stride[3] = {1, HK_POINTS, HK_POINTS * HK_POINTS};
   hk_block_corner(b->w, b->block->number, corner);
-  for (int c = 0; c < 3; c++) i[c] = point[c] - corner[c];
-  return b->values[(i[2] * HK_POINTS + i[1]) * HK_POINTS + i[0]];
+  if (!b->w->kept) stride[1] = grid->points[0], stride[2] = grid->points[0] * grid->points[1];
+  for (int c = 0; c < 3; c++)
+    for (size_t k = 0; k < HK_POINTS; k++) {
+      size_t i = hk_grid_point(b->w, c, corner[c] + k);
+      axis_point *p = &b->axis[c][k];
+      p->place = hk_point_place(b->w, c, corner[c] + k);
+      p->offset = stride[c] * (b->w->kept ? k : i);
+      p->up = i + 1 < grid->points[c] ? stride[c] : 0, p->down = i > 0 ? stride[c] : 0;
+      p->rate = 1 / ((p->up && p->down ? 2 : 1) * grid->spacing[c]);
+      p->layer = hk_in_layer(b->w, c, corner[c] + k);
+    }
 }
 
-static edge_end end_at(const batch *b, const size_t point[3]) {
-  edge_end e = {{point[0], point[1], point[2]}, {0}, point_value(b, point) - b->w->options->level};
-  for (int c = 0; c < 3; c++) e.place[c] = hk_point_place(b->w, c, point[c]);
-  return e;
+static size_t index_of(const batch *b, const uint8_t point[3]) {
+  return b->axis[0][point[0]].offset + b->axis[1][point[1]].offset + b->axis[2][point[2]].offset;
 }
 
 static void normalise(double n[3]) {
-  double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
-  for (int c = 0; c < 3; c++) n[c] /= most; /* squares neither overflow nor vanish */
-  double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-  for (int c = 0; c < 3; c++) n[c] /= length;
+  double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  if (!(square > 1e-200 && square < 1e200)) { /* squares overflow or vanish */
+    double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
+    for (int c = 0; c < 3; c++) n[c] /= most;
+    square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  }
+  double scale = 1 / sqrt(square);
+  for (int c = 0; c < 3; c++) n[c] *= scale;
 }
 
-/* The part of the way from a to b where a line between their values is 0: a.value >= 0 > b.value. */
+/* The part of the way from a to b where a line between their values is 0: a >= 0 > b. */
 static double zero_between(double a, double b) { return a / (a - b); }
 
-static crossing crossing_on(const batch *b, const size_t low[3], unsigned direction, bool low_is_inside) {
-  size_t high[3] = {low[0] + (direction & 1), low[1] + (direction >> 1 & 1), low[2] + (direction >> 2)};
-  const size_t *out = low_is_inside ? high : low;
-  crossing k = {.a = end_at(b, low_is_inside ? low : high), .b = end_at(b, out)};
-  for (int c = 0; c < 3; c++) k.capped = k.capped || hk_in_layer(b->w, c, out[c]);
-  for (int c = 0; c < 3; c++) {
-    bool along = (direction >> c & 1) && (!k.capped || hk_in_layer(b->w, c, out[c]));
-    k.outwards[c] = !along     ? 0
-                    : k.capped ? (low_is_inside ? 1 : -1)
-                               : (low_is_inside ? 1 : -1) * b->w->grid->spacing[c];
+static crossing crossing_on(const batch *b, unsigned point, unsigned direction, bool low_is_inside) {
+  const uint8_t low[3] = {point % 8, point / 8 % 8, (uint8_t)(point / 64)};
+  crossing k = {.capped = false};
+  for (unsigned c = 0; c < 3; c++) {
+    uint8_t high = (uint8_t)(low[c] + (direction >> c & 1));
+    k.a[c] = low_is_inside ? low[c] : high, k.b[c] = low_is_inside ? high : low[c];
+    k.capped |= b->axis[c][k.b[c]].layer;
   }
-  normalise(k.outwards);
-  k.t = k.b.value < 0 ? zero_between(k.a.value, k.b.value) : 0.5;
+  k.at_a = b->values[index_of(b, k.a)] - b->w->options->level;
+  k.at_b = b->values[index_of(b, k.b)] - b->w->options->level;
+  k.t = k.at_b < 0 ? zero_between(k.at_a, k.at_b) : 0.5;
   return k;
 }
 
-static void place_of(const crossing *k, double x[3]) {
-  for (int c = 0; c < 3; c++) x[c] = k->a.place[c] + k->t * (k->b.place[c] - k->a.place[c]);
+/* From the inside to the outside along the edge, or out of the box where b is in the layer. */
+static void edge_direction(const batch *b, const crossing *k, double n[3]) {
+  for (int c = 0; c < 3; c++) {
+    int step = k->b[c] - k->a[c];
+    n[c] = !k->capped ? step * b->w->grid->spacing[c] : b->axis[c][k->b[c]].layer ? step : 0;
+  }
+}
+
+static void place_of(const batch *b, const crossing *k, double x[3]) {
+  for (int c = 0; c < 3; c++) {
+    double from = b->axis[c][k->a[c]].place;
+    x[c] = from + k->t * (b->axis[c][k->b[c]].place - from);
+  }
 }
 
 /* Between `low`, where f is not below the level, and `high`, where it is; `third` is the end before the last move, NAN
@@ -105,7 +129,7 @@ static void note_not_finite(batch *b, const double x[3]) {
 /* Takes the value at x, where the vertex is, and moves it on; `best` keeps the nearest to the level up to now. */
 static void move_on(batch *b, bracket *r, crossing *at, double value, const double x[3]) {
   if (!hk_value_allowed(value)) note_not_finite(b, x);
-  if (!hk_value_allowed(value) || !(at->b.value < 0)) return;
+  if (!hk_value_allowed(value) || !(at->at_b < 0)) return;
   value -= b->w->options->level;
   if (fabs(value) < fabs(r->at_best)) r->best = at->t, r->at_best = value;
   narrow(r, at->t, value);
@@ -118,9 +142,9 @@ static void project(batch *b) {
   double place[BATCH][3], value[BATCH];
   bracket of[BATCH];
   for (size_t k = 0; k < b->count; k++)
-    of[k] = (bracket){0, 1, NAN, b->at[k].a.value, b->at[k].b.value, NAN, b->at[k].t, INFINITY};
+    of[k] = (bracket){0, 1, NAN, b->at[k].at_a, b->at[k].at_b, NAN, b->at[k].t, INFINITY};
   for (unsigned step = 0; step <= b->w->options->steps; step++) {
-    for (size_t k = 0; k < b->count; k++) place_of(&b->at[k], place[k]);
+    for (size_t k = 0; k < b->count; k++) place_of(b, &b->at[k], place[k]);
     f->evaluate(f->self, (const double(*)[3])place, b->count, value);
     for (size_t k = 0; k < b->count; k++) move_on(b, &of[k], &b->at[k], value[k], place[k]);
   }
@@ -128,13 +152,11 @@ static void project(batch *b) {
 }
 
 /* Central differences over the neighbours of a point of the grid, one-sided at its border. */
-static void gradient_at(const hk_surface_work *w, const size_t point[3], double g[3]) {
-  size_t i[3] = {hk_grid_point(w, 0, point[0]), hk_grid_point(w, 1, point[1]), hk_grid_point(w, 2, point[2])};
+static void gradient_at(const batch *b, const uint8_t point[3], double g[3]) {
+  const double *value = b->values + index_of(b, point);
   for (int c = 0; c < 3; c++) {
-    size_t up[3] = {i[0], i[1], i[2]}, down[3] = {i[0], i[1], i[2]};
-    up[c] += i[c] + 1 < w->grid->points[c], down[c] -= i[c] > 0;
-    double rise = w->field->values[hk_grid_index(w, up)] - w->field->values[hk_grid_index(w, down)];
-    g[c] = rise / ((double)(up[c] - down[c]) * w->grid->spacing[c]);
+    const axis_point *p = &b->axis[c][point[c]];
+    g[c] = (value[p->up] - *(value - p->down)) * p->rate;
   }
 }
 
@@ -142,8 +164,8 @@ static void array_gradients(const batch *b, double gradient[][3]) {
   for (size_t k = 0; k < b->count; k++) {
     const crossing *at = &b->at[k];
     double from[3], to[3];
-    gradient_at(b->w, at->a.point, from);
-    gradient_at(b->w, at->b.point, to);
+    gradient_at(b, at->a, from);
+    gradient_at(b, at->b, to);
     for (int c = 0; c < 3; c++) gradient[k][c] = from[c] + at->t * (to[c] - from[c]);
   }
 }
@@ -167,37 +189,37 @@ static void field_gradients(const batch *b, double (*x)[3], double gradient[][3]
 
 static void write_normals(const batch *b, double gradient[][3], double (*normal)[3]) {
   for (size_t k = 0; k < b->count; k++) {
-    double *g = gradient[k], most = fmax(fabs(g[0]), fmax(fabs(g[1]), fabs(g[2])));
-    bool known = most > 0 && fabs(g[0]) + fabs(g[1]) + fabs(g[2]) <= DBL_MAX && !b->at[k].capped;
-    for (int c = 0; c < 3; c++) normal[k][c] = known ? -g[c] : b->at[k].outwards[c];
+    const double *g = gradient[k];
+    double size = fabs(g[0]) + fabs(g[1]) + fabs(g[2]);
+    for (int c = 0; c < 3; c++) normal[k][c] = -g[c];
+    if (!(size > 0 && size <= DBL_MAX) || b->at[k].capped) edge_direction(b, &b->at[k], normal[k]);
     normalise(normal[k]);
   }
 }
 
 static void finish(batch *b) {
   double gradient[BATCH][3], (*x)[3] = b->w->found.x + b->first, margin = b->w->options->margin;
-  if (b->w->options->steps > 0 && b->w->field->evaluate) project(b);
+  if (b->w->options->steps > 0 && b->w->kept) project(b);
   for (size_t k = 0; k < b->count; k++) {
-    b->at[k].t = fmin(fmax(b->at[k].t, margin), 1 - margin);
-    place_of(&b->at[k], x[k]);
+    double t = b->at[k].t;
+    b->at[k].t = t < margin ? margin : t > 1 - margin ? 1 - margin : t;
+    place_of(b, &b->at[k], x[k]);
   }
-  b->values ? field_gradients(b, x, gradient) : array_gradients(b, gradient);
+  b->w->kept ? field_gradients(b, x, gradient) : array_gradients(b, gradient);
   write_normals(b, gradient, b->w->found.normal + b->first);
   b->first += b->count, b->count = 0;
 }
 
 void hk_block_vertices(const hk_surface_work *w, size_t slot) {
   hk_surface_block *block = &w->block[slot];
-  batch b = {.w = w, .block = block, .first = block->first_vertex};
-  size_t corner[3];
-  b.values = w->kept ? w->kept + HK_BLOCK_POINTS * slot : NULL;
-  hk_block_corner(w, block->number, corner);
+  batch b;
+  b.w = w, b.block = block, b.first = block->first_vertex, b.count = 0;
+  b.values = w->kept ? w->kept + HK_BLOCK_POINTS * slot : w->field->values;
+  fill_axes(&b);
   for (unsigned k = 0; k < HK_BLOCK_CELLS; k++)
-    for (unsigned d = 1; d < 8; d++) {
-      const unsigned at[3] = {k % 8, k / 8 % 8, k / 64};
-      if (!(block->crossed[k] >> (d - 1) & 1)) continue;
-      size_t low[3] = {corner[0] + at[0], corner[1] + at[1], corner[2] + at[2]};
-      b.at[b.count++] = crossing_on(&b, low, d, block->inside[at[2] * HK_POINTS + at[1]] >> at[0] & 1);
+    for (unsigned left = block->crossed[k], d = 1; left; left >>= 1, d++) {
+      if (!(left & 1)) continue;
+      b.at[b.count++] = crossing_on(&b, k, d, block->inside[k / 64 * HK_POINTS + k / 8 % 8] >> k % 8 & 1);
       if (b.count == BATCH) finish(&b);
     }
   if (b.count > 0) finish(&b);

@@ -93,16 +93,22 @@ bool hk_block_mixed(const hk_block_values *b) {
   return any != 0 && all != full;
 }
 
+static unsigned count_bits(unsigned byte) {
+  byte -= byte >> 1 & 0x55;
+  byte = (byte & 0x33) + (byte >> 2 & 0x33);
+  return (byte + (byte >> 4)) & 15;
+}
+
 void hk_block_count(const hk_surface_work *w, hk_surface_block *b, const hk_block_values *values) {
   static const uint8_t along_axes = 1 << 0 | 1 << 1 | 1 << 3;
   uint8_t directions = w->options->method == HK_MARCHING_CUBES ? along_axes : 127;
   memcpy(b->inside, values->inside, sizeof b->inside);
   b->vertices = b->triangles = 0;
   for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
-    unsigned mask = hk_cell_mask(b->inside, k / 64 * HK_POINTS + k / 8 % 8, k % 8);
+    unsigned row = k / 64 * HK_POINTS + k / 8 % 8, mask = hk_cell_mask(b->inside, row, k % 8);
     b->before[k] = (uint16_t)b->vertices;
     b->crossed[k] = (uint8_t)((mask >> 1 ^ (mask & 1 ? 127 : 0)) & directions);
-    for (unsigned d = b->crossed[k]; d; d &= d - 1) b->vertices++;
+    b->vertices += count_bits(b->crossed[k]);
     b->triangles += w->cases[mask].triangles;
   }
 }
@@ -136,9 +142,8 @@ static uint32_t vertex(const neighbours *n, const unsigned cell[3], unsigned edg
   }
   const hk_surface_block *b = n->of[block];
   unsigned point = (at[2] * HK_SIDE + at[1]) * HK_SIDE + at[0];
-  size_t number = b->first_vertex + b->before[point];
-  for (unsigned d = b->crossed[point] & ((1U << (direction - 1)) - 1); d; d &= d - 1) number++;
-  return (uint32_t)number;
+  unsigned lower = b->crossed[point] & ((1U << (direction - 1)) - 1);
+  return (uint32_t)(b->first_vertex + b->before[point] + count_bits(lower));
 }
 
 void hk_block_triangles(const hk_surface_work *w, size_t slot) {
