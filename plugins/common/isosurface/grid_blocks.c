@@ -5,21 +5,6 @@
 
 #include <string.h>
 
-static const double *array_row(const hk_surface_work *w, const size_t corner[3], size_t y, size_t z) {
-  size_t i[3] = {0, hk_grid_point(w, 1, corner[1] + y), hk_grid_point(w, 2, corner[2] + z)};
-  return w->field->values + hk_grid_index(w, i);
-}
-
-static void read_array(const hk_surface_work *w, const size_t corner[3], double *value) {
-  bool whole = corner[0] > 0 && corner[0] + HK_SIDE <= w->grid->points[0];
-  for (size_t z = 0; z < HK_POINTS; z++)
-    for (size_t y = 0; y < HK_POINTS; y++, value += HK_POINTS) {
-      const double *row = array_row(w, corner, y, z);
-      if (whole) memcpy(value, row + corner[0] - 1, HK_POINTS * sizeof *value);
-      for (size_t x = 0; !whole && x < HK_POINTS; x++) value[x] = row[hk_grid_point(w, 0, corner[0] + x)];
-    }
-}
-
 static void evaluate(const hk_surface_work *w, const size_t corner[3], double *value) {
   double place[HK_BLOCK_POINTS][3];
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
@@ -36,25 +21,26 @@ static unsigned within(const hk_surface_work *w, int axis, size_t corner) {
   return bits;
 }
 
-static void mark_inside(const hk_surface_work *w, const size_t corner[3], hk_block_values *b) {
+static void mark_inside(const hk_surface_work *w, const size_t corner[3], const double *values, uint16_t *inside) {
   unsigned in_x = within(w, 0, corner[0]), in_y = within(w, 1, corner[1]), in_z = within(w, 2, corner[2]);
-  for (unsigned row = 0; row < HK_POINTS * HK_POINTS; row++) {
-    const double *value = b->value + (size_t)HK_POINTS * row;
+  for (unsigned row = 0; row < HK_BLOCK_ROWS; row++) {
+    const double *value = values + (size_t)HK_POINTS * row;
     unsigned bits = 0;
     for (unsigned k = 0; k < HK_POINTS; k++) bits |= (unsigned)(value[k] >= w->options->level) << k;
     bool outside = !(in_y >> row % HK_POINTS & 1) || !(in_z >> row / HK_POINTS & 1);
-    b->inside[row] = (uint16_t)(outside ? 0 : bits & in_x);
+    inside[row] = (uint16_t)(outside ? 0 : bits & in_x);
   }
 }
 
-bool hk_block_load(const hk_surface_work *w, size_t number, hk_block_values *b, size_t *bad) {
+bool hk_block_evaluate(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS],
+                       uint16_t inside[HK_BLOCK_ROWS], size_t *bad) {
   size_t corner[3];
   unsigned wrong = 0;
   hk_block_corner(w, number, corner);
-  w->field->values ? read_array(w, corner, b->value) : evaluate(w, corner, b->value);
-  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(b->value[k]);
-  for (*bad = 0; wrong && hk_value_allowed(b->value[*bad]);) ++*bad;
-  mark_inside(w, corner, b);
+  evaluate(w, corner, value);
+  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(value[k]);
+  for (*bad = 0; wrong && hk_value_allowed(value[*bad]);) ++*bad;
+  mark_inside(w, corner, value, inside);
   return !wrong;
 }
 
@@ -72,25 +58,33 @@ bool hk_block_excluded(const hk_surface_work *w, size_t number) {
   return range[1] < w->options->level || (range[0] >= w->options->level && !layer);
 }
 
-bool hk_block_at_border(const hk_surface_work *w, size_t number, const hk_block_values *b, size_t *point) {
+bool hk_block_at_border(const hk_surface_work *w, size_t number, const uint16_t *inside, size_t *point) {
   size_t corner[3];
   bool border = false;
   hk_block_corner(w, number, corner);
   for (int c = 0; c < 3; c++) border = border || corner[c] == 0 || corner[c] + HK_SIDE >= w->grid->points[c];
   for (*point = 0; border && *point < HK_BLOCK_POINTS; ++*point) {
     size_t at[3] = {*point % HK_POINTS, *point / HK_POINTS % HK_POINTS, *point / (HK_POINTS * HK_POINTS)};
-    if (!(b->inside[*point / HK_POINTS] >> at[0] & 1)) continue;
+    if (!(inside[*point / HK_POINTS] >> at[0] & 1)) continue;
     for (int c = 0; c < 3; c++)
       if (corner[c] + at[c] == 1 || corner[c] + at[c] == w->grid->points[c]) return true;
   }
   return false;
 }
 
-bool hk_block_mixed(const hk_block_values *b) {
-  const unsigned full = (1U << HK_POINTS) - 1;
-  unsigned any = 0, all = full;
-  for (size_t row = 0; row < HK_POINTS * HK_POINTS; row++) any |= b->inside[row], all &= b->inside[row];
-  return any != 0 && all != full;
+enum { FULL_ROW = (1 << HK_POINTS) - 1 };
+
+bool hk_block_mixed(const uint16_t *inside) {
+  unsigned any = 0, all = FULL_ROW;
+  for (size_t row = 0; row < HK_BLOCK_ROWS; row++) any |= inside[row], all &= inside[row];
+  return any != 0 && all != FULL_ROW;
+}
+
+/* Whether the surface crosses no cell between four rows of points. */
+static bool is_plain(const uint16_t *row) {
+  unsigned any = row[0] | row[1] | row[HK_POINTS] | row[HK_POINTS + 1];
+  unsigned all = row[0] & row[1] & row[HK_POINTS] & row[HK_POINTS + 1];
+  return any == 0 || all == FULL_ROW;
 }
 
 static unsigned count_bits(unsigned byte) {
@@ -99,13 +93,18 @@ static unsigned count_bits(unsigned byte) {
   return (byte + (byte >> 4)) & 15;
 }
 
-void hk_block_count(const hk_surface_work *w, hk_surface_block *b, const hk_block_values *values) {
+void hk_block_count(const hk_surface_work *w, hk_surface_block *b) {
   static const uint8_t along_axes = 1 << 0 | 1 << 1 | 1 << 3;
   uint8_t directions = w->options->method == HK_MARCHING_CUBES ? along_axes : 127;
-  memcpy(b->inside, values->inside, sizeof b->inside);
   b->vertices = b->triangles = 0;
+  memset(b->crossed, 0, sizeof b->crossed);
   for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
-    unsigned row = k / 64 * HK_POINTS + k / 8 % 8, mask = hk_cell_mask(b->inside, row, k % 8);
+    unsigned row = k / 64 * HK_POINTS + k / 8 % 8;
+    if (k % 8 == 0 && is_plain(b->inside + row)) { /* `before` of points without a vertex is not asked for */
+      k += HK_SIDE - 1;
+      continue;
+    }
+    unsigned mask = hk_cell_mask(b->inside, row, k % 8);
     b->before[k] = (uint16_t)b->vertices;
     b->crossed[k] = (uint8_t)((mask >> 1 ^ (mask & 1 ? 127 : 0)) & directions);
     b->vertices += count_bits(b->crossed[k]);
@@ -151,8 +150,12 @@ void hk_block_triangles(const hk_surface_work *w, size_t slot) {
   neighbours n = find_neighbours(w, b->number);
   uint32_t(*triangle)[3] = w->found.triangle + b->first_triangle;
   for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
-    const unsigned cell[3] = {k % 8, k / 8 % 8, k / 64};
-    const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, cell[2] * HK_POINTS + cell[1], cell[0])];
+    const unsigned cell[3] = {k % 8, k / 8 % 8, k / 64}, row = cell[2] * HK_POINTS + cell[1];
+    if (cell[0] == 0 && is_plain(b->inside + row)) {
+      k += HK_SIDE - 1;
+      continue;
+    }
+    const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, row, cell[0])];
     for (unsigned t = 0; t < c->triangles; t++, triangle++)
       for (int corner = 0; corner < 3; corner++) (*triangle)[corner] = vertex(&n, cell, c->edge[t][corner]);
   }

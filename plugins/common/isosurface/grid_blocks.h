@@ -7,14 +7,9 @@
 
 #include "plugins/common/isosurface/cell_cases.h"
 
-enum { HK_SIDE = 8, HK_POINTS = HK_SIDE + 1, HK_BLOCK_CELLS = 512, HK_BLOCK_POINTS = 729 };
+enum { HK_SIDE = 8, HK_POINTS = HK_SIDE + 1, HK_BLOCK_CELLS = 512, HK_BLOCK_ROWS = 81, HK_BLOCK_POINTS = 729 };
 
 static const uint32_t hk_no_slot = UINT32_MAX; /* the slot of a block without a surface */
-
-typedef struct hk_block_values {
-  double value[HK_BLOCK_POINTS];          /* x fastest */
-  uint16_t inside[HK_POINTS * HK_POINTS]; /* of each row along x: bit k of point k */
-} hk_block_values;
 
 typedef struct hk_surface_block { /* a block that the surface crosses */
   size_t number;                  /* (z blocks[1] + y) blocks[0] + x */
@@ -22,7 +17,7 @@ typedef struct hk_surface_block { /* a block that the surface crosses */
   uint32_t vertices, triangles;
   bool not_finite; /* the field, at `place`, where a vertex was moved to */
   double place[3];
-  uint16_t inside[HK_POINTS * HK_POINTS];
+  uint16_t inside[HK_BLOCK_ROWS];  /* of each row along x, y before z: bit k of point k */
   uint16_t before[HK_BLOCK_CELLS]; /* vertices of the block on edges from points before this one */
   uint8_t crossed[HK_BLOCK_CELLS]; /* bit d - 1: the surface crosses the edge in direction d */
 } hk_surface_block;
@@ -34,6 +29,7 @@ typedef struct hk_surface_work {
   const hk_isosurface_options *options;
   size_t blocks[3], bytes; /* allocated up to now */
   uint32_t *slot;          /* of each block: its place in `block`, or hk_no_slot */
+  uint8_t *bits;           /* of arrays (inside_bits.c) */
   size_t count;
   hk_surface_block *block; /* count, numbers rise */
   double *kept;            /* count x HK_BLOCK_POINTS, of fields that are evaluated */
@@ -74,15 +70,21 @@ static inline unsigned hk_cell_mask(const uint16_t *inside, unsigned r, unsigned
          (inside[r + HK_POINTS + 1] >> x & 3U) << 6;
 }
 
-/* Fills the values and inside bits of a block; false: a value is not allowed, the first one is value[*bad]. */
-bool hk_block_load(const hk_surface_work *, size_t number, hk_block_values *, size_t *bad);
+/* For arrays: the bytes of `bits`; fills them, false: a value is not allowed, the first is at point `bad` of the grid;
+ * what they say of a block. */
+size_t hk_inside_bytes(const hk_surface_work *);
+bool hk_inside_pack(hk_surface_work *, size_t bad[3]);
+void hk_inside_read(const hk_surface_work *, size_t number, uint16_t inside[HK_BLOCK_ROWS]);
+/* For functions: the values of a block and which are inside; false: one is not allowed, the first is value[*bad]. */
+bool hk_block_evaluate(const hk_surface_work *, size_t number, double value[HK_BLOCK_POINTS],
+                       uint16_t inside[HK_BLOCK_ROWS], size_t *bad);
 /* Whether the bounds of the field exclude a surface in the block. */
 bool hk_block_excluded(const hk_surface_work *, size_t number);
 /* The first inside point at the border of the grid; false: there is none in this block. */
-bool hk_block_at_border(const hk_surface_work *, size_t number, const hk_block_values *, size_t *point);
-bool hk_block_mixed(const hk_block_values *); /* has points inside and points outside */
-/* Fills `inside`, `crossed`, `before` and the numbers of vertices and triangles. */
-void hk_block_count(const hk_surface_work *, hk_surface_block *, const hk_block_values *);
+bool hk_block_at_border(const hk_surface_work *, size_t number, const uint16_t *inside, size_t *point);
+bool hk_block_mixed(const uint16_t *inside); /* has points inside and points outside */
+/* Fills `crossed`, `before` and the numbers of vertices and triangles, from `inside`. */
+void hk_block_count(const hk_surface_work *, hk_surface_block *);
 /* Vertices of a block, with normals (block_vertices.c), and its triangles. */
 void hk_block_vertices(const hk_surface_work *, size_t slot);
 void hk_block_triangles(const hk_surface_work *, size_t slot);

@@ -73,6 +73,7 @@ static hk_status allocate(hk_surface_work *w, void *array, size_t count, size_t 
 
 static void release_work(hk_surface_work *w) {
   w->host->release(w->host, w->slot);
+  w->host->release(w->host, w->bits);
   w->host->release(w->host, w->block);
   w->host->release(w->host, w->kept);
   w->host->release(w->host, w->cases);
@@ -87,60 +88,80 @@ void hk_isosurface_free(hk_isosurface *s, const hk_host *host) {
 
 /* ---- which blocks the surface crosses ---- */
 
+/* Which points of a block are inside. */
+static bool look(const hk_surface_work *w, size_t number, double *value, uint16_t *inside, size_t *bad) {
+  if (w->field->evaluate) return hk_block_evaluate(w, number, value, inside, bad);
+  hk_inside_read(w, number, inside);
+  return true;
+}
+
 static void survey_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   hk_surface_work *w = context;
-  hk_block_values values;
+  double value[HK_BLOCK_POINTS];
+  uint16_t inside[HK_BLOCK_ROWS];
   (void)chunk;
   for (size_t number = begin; number < end; number++) {
     size_t point;
     if (hk_block_excluded(w, number)) continue;
-    bool allowed = hk_block_load(w, number, &values, &point);
-    bool leaves = allowed && !w->options->close && hk_block_at_border(w, number, &values, &point);
-    w->slot[number] = !allowed ? NOT_ALLOWED : leaves ? LEAVES : hk_block_mixed(&values) ? CROSSED : 0;
+    bool allowed = look(w, number, value, inside, &point);
+    bool leaves = allowed && !w->options->close && hk_block_at_border(w, number, inside, &point);
+    w->slot[number] = !allowed ? NOT_ALLOWED : leaves ? LEAVES : hk_block_mixed(inside) ? CROSSED : 0;
   }
+}
+
+static hk_status refuse_value(const hk_surface_work *w, const size_t i[3], double value) {
+  double x[3];
+  for (int c = 0; c < 3; c++) x[c] = hk_point_place(w, c, i[c] + 1);
+  return w->host->fail(w->host, HK_NOT_FINITE,
+                       "isosurface: the field is %g at (%g, %g, %g), point (%zu, %zu, %zu) of the grid: give a finite "
+                       "number there, of at most 1e300 in size",
+                       value, x[0], x[1], x[2], i[0], i[1], i[2]);
 }
 
 /* The sentence for a block that ends the search. */
-static hk_status refuse(const hk_surface_work *w, size_t number, bool leaves) {
-  hk_block_values values;
-  size_t corner[3], k = 0;
-  double x[3];
+static hk_status refuse_block(const hk_surface_work *w, size_t number) {
+  double value[HK_BLOCK_POINTS], x[3];
+  uint16_t inside[HK_BLOCK_ROWS];
+  size_t corner[3], i[3], k = 0;
   hk_block_corner(w, number, corner);
-  bool allowed = hk_block_load(w, number, &values, &k);
-  if (leaves && allowed) hk_block_at_border(w, number, &values, &k);
+  bool allowed = look(w, number, value, inside, &k);
+  if (allowed) hk_block_at_border(w, number, inside, &k);
   k = k < HK_BLOCK_POINTS ? k : 0; /* a field that gave something else before */
-  size_t at[3] = {corner[0] + k % HK_POINTS, corner[1] + k / HK_POINTS % HK_POINTS,
-                  corner[2] + k / (HK_POINTS * HK_POINTS)};
-  for (int c = 0; c < 3; c++) x[c] = hk_point_place(w, c, at[c]);
-  if (!leaves)
-    return w->host->fail(
-        w->host, HK_NOT_FINITE,
-        "isosurface: the field is %g at (%g, %g, %g), point (%zu, %zu, %zu) of the grid: give a finite number "
-        "there, of at most 1e300 in size",
-        values.value[k], x[0], x[1], x[2], hk_grid_point(w, 0, at[0]), hk_grid_point(w, 1, at[1]),
-        hk_grid_point(w, 2, at[2]));
+  for (size_t c = 0, n = k; c < 3; c++, n /= HK_POINTS) {
+    i[c] = hk_grid_point(w, (int)c, corner[c] + n % HK_POINTS);
+    x[c] = hk_point_place(w, (int)c, i[c] + 1);
+  }
+  if (!allowed) return refuse_value(w, i, value[k]);
   return w->host->fail(
       w->host, HK_BAD_PARAM,
-      "isosurface: the surface leaves the box: at (%g, %g, %g), on its border, the field is %g and the level "
-      "%g: take a larger box, or close the surface there",
-      x[0], x[1], x[2], values.value[k], w->options->level);
+      "isosurface: the surface leaves the box: at (%g, %g, %g), on its border, the field is %g and the "
+      "level %g: take a larger box, or close the surface there",
+      x[0], x[1], x[2], w->field->evaluate ? value[k] : w->field->values[hk_grid_index(w, i)], w->options->level);
 }
 
-/* The values are asked for again, as their range is of use here only. */
-static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
-  double low = INFINITY, high = -INFINITY;
-  hk_block_values values;
-  for (size_t number = 0, bad; number < blocks; number++) {
+/* The range of the values, which is of use here only, so that those of a function are asked for again; low > high:
+ * none. */
+static void find_range(const hk_surface_work *w, size_t blocks, double *low, double *high) {
+  const size_t *n = w->grid->points, points = w->field->values ? n[0] * n[1] * n[2] : 0;
+  double value[HK_BLOCK_POINTS];
+  uint16_t inside[HK_BLOCK_ROWS];
+  *low = INFINITY, *high = -INFINITY;
+  for (size_t k = 0; k < points; k++) *low = fmin(*low, w->field->values[k]), *high = fmax(*high, w->field->values[k]);
+  for (size_t number = 0, bad; number < blocks && !points; number++) {
     if (hk_block_excluded(w, number)) continue;
-    hk_block_load(w, number, &values, &bad);
-    for (size_t k = 0; k < HK_BLOCK_POINTS; k++) low = fmin(low, values.value[k]), high = fmax(high, values.value[k]);
+    hk_block_evaluate(w, number, value, inside, &bad);
+    for (size_t k = 0; k < HK_BLOCK_POINTS; k++) *low = fmin(*low, value[k]), *high = fmax(*high, value[k]);
   }
+}
+
+static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
+  double low, high;
+  find_range(w, blocks, &low, &high);
   if (low > high)
-    return w->host->fail(
-        w->host, HK_BAD_PARAM,
-        "isosurface: no surface in the box: the bounds of the field exclude a level of %g everywhere: take "
-        "another level or another box",
-        w->options->level);
+    return w->host->fail(w->host, HK_BAD_PARAM,
+                         "isosurface: no surface in the box: the bounds of the field exclude a level of %g everywhere: "
+                         "take another level or another box",
+                         w->options->level);
   return w->host->fail(
       w->host, HK_BAD_PARAM,
       "isosurface: no surface in the box: the field is from %g to %g on the grid and the level %g: take "
@@ -148,24 +169,15 @@ static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
       low, high, w->options->level);
 }
 
-static hk_status find_blocks(hk_surface_work *w) {
-  size_t blocks = 1;
-  for (int c = 0; c < 3; c++) {
-    w->blocks[c] = (w->grid->points[c] + HK_SIDE) / HK_SIDE; /* points + 1 cells with the layer */
-    blocks = blocks > SIZE_MAX / 2 / w->blocks[c] ? SIZE_MAX / 2 : blocks * w->blocks[c];
-  }
-  hk_status status = allocate(w, &w->slot, blocks, sizeof *w->slot, "blocks of the box");
-  if (status != HK_OK) return status;
-  w->host->parallel_for(w->host, blocks, GRAIN, survey_chunk, w);
-  for (size_t k = 0; k < blocks; k++)
-    if (w->slot[k] > CROSSED) return refuse(w, k, w->slot[k] == LEAVES);
+/* Slots for the blocks that the survey has marked. */
+static hk_status list_blocks(hk_surface_work *w, size_t blocks) {
+  hk_status status = HK_OK;
   for (size_t k = 0; k < blocks; k++) w->count += w->slot[k];
   if (w->count == 0) return refuse_empty(w, blocks);
-  if (w->count < hk_no_slot)
-    status = allocate(w, &w->block, w->count, sizeof *w->block, "blocks at the surface");
-  else
-    status =
-        w->host->fail(w->host, HK_BAD_PARAM, "isosurface: %zu blocks at the surface: take a larger spacing", w->count);
+  if (w->count >= hk_no_slot)
+    return w->host->fail(w->host, HK_BAD_PARAM, "isosurface: %zu blocks at the surface: take a larger spacing",
+                         w->count);
+  status = allocate(w, &w->block, w->count, sizeof *w->block, "blocks at the surface");
   for (size_t k = 0, slot = 0; k < blocks && status == HK_OK; k++) {
     bool crossed = w->slot[k];
     w->slot[k] = crossed ? (uint32_t)slot : hk_no_slot;
@@ -174,17 +186,33 @@ static hk_status find_blocks(hk_surface_work *w) {
   return status;
 }
 
+static hk_status find_blocks(hk_surface_work *w) {
+  size_t blocks = 1, bad[3];
+  for (int c = 0; c < 3; c++) {
+    w->blocks[c] = (w->grid->points[c] + HK_SIDE) / HK_SIDE; /* points + 1 cells with the layer */
+    blocks = blocks > SIZE_MAX / 2 / w->blocks[c] ? SIZE_MAX / 2 : blocks * w->blocks[c];
+  }
+  hk_status status = allocate(w, &w->slot, blocks, sizeof *w->slot, "blocks of the box");
+  if (status == HK_OK && w->field->values)
+    status = allocate(w, &w->bits, hk_inside_bytes(w), sizeof *w->bits, "bytes of bits");
+  if (status != HK_OK) return status;
+  if (w->field->values && !hk_inside_pack(w, bad)) return refuse_value(w, bad, w->field->values[hk_grid_index(w, bad)]);
+  w->host->parallel_for(w->host, blocks, GRAIN, survey_chunk, w);
+  for (size_t k = 0; k < blocks; k++)
+    if (w->slot[k] > CROSSED) return refuse_block(w, k);
+  return list_blocks(w, blocks);
+}
+
 /* ---- what they hold ---- */
 
 static void count_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   hk_surface_work *w = context;
-  hk_block_values values;
   (void)chunk;
   for (size_t slot = begin; slot < end; slot++) {
+    hk_surface_block *b = &w->block[slot];
     size_t bad;
-    hk_block_load(w, w->block[slot].number, &values, &bad);
-    if (w->kept) memcpy(w->kept + HK_BLOCK_POINTS * slot, values.value, sizeof values.value);
-    hk_block_count(w, &w->block[slot], &values);
+    look(w, b->number, w->kept ? w->kept + HK_BLOCK_POINTS * slot : NULL, b->inside, &bad);
+    hk_block_count(w, b);
   }
 }
 

@@ -7,8 +7,8 @@
  * the level.
  *
  * The grid is worked on in blocks of 8 x 8 x 8 cells, and only blocks that the surface crosses take memory beyond four
- * bytes a block. Numbers of vertices and triangles follow from the grid alone: the result has the same bits for any
- * number of threads. */
+ * bytes a block, and a bit for each value of an array. Numbers of vertices and triangles follow from the grid alone:
+ * the result has the same bits for any number of threads. */
 #ifndef HK_ISOSURFACE_H
 #define HK_ISOSURFACE_H
 
