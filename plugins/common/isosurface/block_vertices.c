@@ -5,6 +5,7 @@
 #include "plugins/common/isosurface/grid_blocks.h"
 
 #include <float.h>
+#include <string.h>
 
 enum { BATCH = 64 };
 
@@ -216,11 +217,17 @@ void hk_block_vertices(const hk_surface_work *w, size_t slot) {
   b.w = w, b.block = block, b.first = block->first_vertex, b.count = 0;
   b.values = w->kept ? w->kept + HK_BLOCK_POINTS * slot : w->field->values;
   fill_axes(&b);
-  for (unsigned k = 0; k < HK_BLOCK_CELLS; k++)
+  for (unsigned k = 0; k < HK_BLOCK_CELLS; k++) {
+    static const uint8_t none[HK_SIDE];
+    if (k % HK_SIDE == 0 && memcmp(block->crossed + k, none, sizeof none) == 0) {
+      k += HK_SIDE - 1;
+      continue;
+    }
     for (unsigned left = block->crossed[k], d = 1; left; left >>= 1, d++) {
       if (!(left & 1)) continue;
       b.at[b.count++] = crossing_on(&b, k, d, block->inside[k / 64 * HK_POINTS + k / 8 % 8] >> k % 8 & 1);
       if (b.count == BATCH) finish(&b);
     }
+  }
   if (b.count > 0) finish(&b);
 }

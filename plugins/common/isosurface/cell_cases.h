@@ -4,7 +4,7 @@
 #ifndef HK_CELL_CASES_H
 #define HK_CELL_CASES_H
 
-#include "plugins/common/isosurface/isosurface.h"
+#include "core/plugin.h"
 
 enum { HK_CELL_TRIANGLES = 12 };
 

@@ -65,7 +65,9 @@ bool hk_block_at_border(const hk_surface_work *w, size_t number, const uint16_t 
   for (int c = 0; c < 3; c++) border = border || corner[c] == 0 || corner[c] + HK_SIDE >= w->grid->points[c];
   for (*point = 0; border && *point < HK_BLOCK_POINTS; ++*point) {
     size_t at[3] = {*point % HK_POINTS, *point / HK_POINTS % HK_POINTS, *point / (HK_POINTS * HK_POINTS)};
-    if (!(inside[*point / HK_POINTS] >> at[0] & 1)) continue;
+    unsigned row = inside[*point / HK_POINTS];
+    if (row == 0) *point += HK_SIDE; /* to its last point */
+    if (!(row >> at[0] & 1)) continue;
     for (int c = 0; c < 3; c++)
       if (corner[c] + at[c] == 1 || corner[c] + at[c] == w->grid->points[c]) return true;
   }

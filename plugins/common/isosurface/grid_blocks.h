@@ -6,6 +6,7 @@
 #define HK_GRID_BLOCKS_H
 
 #include "plugins/common/isosurface/cell_cases.h"
+#include "plugins/common/isosurface/surface_parts.h"
 
 enum { HK_SIDE = 8, HK_POINTS = HK_SIDE + 1, HK_BLOCK_CELLS = 512, HK_BLOCK_ROWS = 81, HK_BLOCK_POINTS = 729 };
 

@@ -2,6 +2,7 @@
  * crosses there, counted, so that every block knows the number of its first vertex and triangle; whether neighbours
  * agree on the points that they share, which bounds could spoil; vertices and triangles. What is allocated is checked
  * before. */
+#include "plugins/common/isosurface/isosurface.h"
 #include "plugins/common/isosurface/grid_blocks.h"
 
 #include <string.h>
