@@ -120,7 +120,7 @@ static void surfaces_are_closed_along_the_box(void **state) {
   counted at_wall = {.place = {1, 0.01, 0.02}, .radius = 0.8}, all = {.radius = 9};
   for (int method = 0; method < 2; method++) {
     bench b;
-    long euler[1];
+    long euler[1] = {0};
     hk_isosurface_options options = {.method = (hk_isosurface_method)method, .close = true, .steps = 3};
     open_bench(&b, 1);
     assert_int_equal(
