@@ -71,6 +71,44 @@ static void any_number_of_threads_gives_the_same_bits(void **state) {
   }
 }
 
+static double *sampled(const hk_isosurface_grid *grid, const counted *s) {
+  size_t count = grid->points[0] * grid->points[1] * grid->points[2];
+  double *value = malloc(count * sizeof *value);
+  assert_non_null(value);
+  for (size_t k = 0, n[2] = {grid->points[0], grid->points[1]}; k < count; k++) {
+    size_t at[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
+    double x[1][3];
+    for (int c = 0; c < 3; c++) x[0][c] = grid->origin[c] + (double)at[c] * grid->spacing[c];
+    counted_sphere(s, (const double(*)[3])x, 1, &value[k]);
+  }
+  return value;
+}
+
+/* From one thread to the other, and to the same field as a function, whose normals alone are others: they are
+ * differences over less. The ball leaves the box, of which no side is a multiple of a block. */
+static void arrays_and_functions_have_the_same_vertices(void **state) {
+  (void)state;
+  counted at_corner = {.place = {0.8, -0.9, 0.7}, .radius = 0.75};
+  for (size_t n = 30; n < 39; n++) {
+    bench b[3];
+    hk_isosurface_grid grid = box(n, n + 5, n + 2);
+    double *value = sampled(&grid, &at_corner);
+    hk_isosurface_field array = {.values = value}, function = {.evaluate = counted_sphere, .self = &at_corner};
+    for (int k = 0; k < 3; k++) {
+      open_bench(&b[k], k == 1 ? 7 : 1);
+      hk_isosurface_options options = {.method = n % 2 ? HK_MARCHING_CUBES : HK_MARCHING_TETRAHEDRA, .close = true};
+      assert_int_equal(find(&b[k], grid, k == 2 ? function : array, options), HK_OK);
+    }
+    assert_true(same(&b[0].surface, &b[1].surface));
+    assert_int_equal(count_broken(&b[0].surface), 0);
+    assert_int_equal(b[0].surface.vertices, b[2].surface.vertices);
+    memcpy(b[2].surface.normal, b[0].surface.normal, b[0].surface.vertices * sizeof *b[0].surface.normal);
+    assert_true(same(&b[0].surface, &b[2].surface));
+    for (int k = 0; k < 3; k++) close_bench(&b[k]);
+    free(value);
+  }
+}
+
 /* Sides that are no multiples of blocks, spacings that differ; the largest edge of a grid of 40 cells bounds the error.
  */
 static void grids_of_any_sides_hold_the_surface(void **state) {
@@ -306,6 +344,7 @@ static void a_hole_between_points_is_said(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
+      cmocka_unit_test(arrays_and_functions_have_the_same_vertices),
       cmocka_unit_test(grids_of_any_sides_hold_the_surface),
       cmocka_unit_test(slabs_across_each_axis_are_closed),
       cmocka_unit_test(surfaces_are_closed_along_the_box),
