@@ -135,14 +135,10 @@ static neighbours find_neighbours(const hk_surface_work *w, size_t number) {
   return n;
 }
 
-static uint32_t vertex(const neighbours *n, const unsigned cell[3], unsigned edge) {
-  unsigned at[3], block = 0, direction = edge >> 3;
-  for (unsigned c = 0; c < 3; c++) {
-    at[c] = cell[c] + (edge >> c & 1);
-    if (at[c] == HK_SIDE) at[c] = 0, block |= 1U << c;
-  }
-  const hk_surface_block *b = n->of[block];
-  unsigned point = (at[2] * HK_SIDE + at[1]) * HK_SIDE + at[0];
+static uint32_t vertex(const neighbours *n, unsigned x, unsigned y, unsigned z, unsigned edge) {
+  x += edge & 1, y += edge >> 1 & 1, z += edge >> 2 & 1; /* up to 8, the first point of the next block */
+  const hk_surface_block *b = n->of[x / HK_SIDE | (y / HK_SIDE) << 1 | (z / HK_SIDE) << 2];
+  unsigned point = (z % HK_SIDE * HK_SIDE + y % HK_SIDE) * HK_SIDE + x % HK_SIDE, direction = edge >> 3;
   unsigned lower = b->crossed[point] & ((1U << (direction - 1)) - 1);
   return (uint32_t)(b->first_vertex + b->before[point] + count_bits(lower));
 }
@@ -159,6 +155,7 @@ void hk_block_triangles(const hk_surface_work *w, size_t slot) {
     }
     const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, row, cell[0])];
     for (unsigned t = 0; t < c->triangles; t++, triangle++)
-      for (int corner = 0; corner < 3; corner++) (*triangle)[corner] = vertex(&n, cell, c->edge[t][corner]);
+      for (int corner = 0; corner < 3; corner++)
+        (*triangle)[corner] = vertex(&n, cell[0], cell[1], cell[2], c->edge[t][corner]);
   }
 }

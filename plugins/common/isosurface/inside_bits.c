@@ -17,10 +17,9 @@ static void pack_row(const double *value, size_t count, double level, uint8_t *b
   size_t i = 0;
   for (; i < 7 && i < count; i++) bits[0] |= (uint8_t)((value[i] >= level) << (i + 1));
   for (; i + 8 <= count; i += 8) {
-    const double *v = value + i;
-    bits[(i + 1) / 8] =
-        (uint8_t)((v[0] >= level) | (v[1] >= level) << 1 | (v[2] >= level) << 2 | (v[3] >= level) << 3 |
-                  (v[4] >= level) << 4 | (v[5] >= level) << 5 | (v[6] >= level) << 6 | (v[7] >= level) << 7);
+    uint64_t byte = 0; /* as wide as the values: compilers make vectors of it */
+    for (unsigned k = 0; k < 8; k++) byte |= value[i + k] >= level ? (uint64_t)1 << k : 0;
+    bits[(i + 1) / 8] = (uint8_t)byte;
   }
   for (; i < count; i++) bits[(i + 1) / 8] |= (uint8_t)((value[i] >= level) << (i + 1) % 8);
 }
