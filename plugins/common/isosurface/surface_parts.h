@@ -22,7 +22,7 @@ typedef struct hk_isosurface_field { /* `values` or `evaluate`; f is finite, at 
 } hk_isosurface_field;
 
 typedef enum hk_isosurface_method {
-  HK_MARCHING_TETRAHEDRA, /* one case for each way to cut a tetrahedron; about two and a half times the triangles */
+  HK_MARCHING_TETRAHEDRA, /* one case for each way to cut a tetrahedron; about three times the triangles */
   HK_MARCHING_CUBES       /* on a face with two inside corners across, these are kept apart, in both of its cubes */
 } hk_isosurface_method;
 

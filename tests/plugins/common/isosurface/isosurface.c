@@ -202,6 +202,32 @@ static void a_margin_keeps_triangles_from_vanishing(void **state) {
   }
 }
 
+/* By powers of two, so that nothing but the squares in a normal is rounded otherwise. */
+static void the_scale_of_values_changes_no_vertex(void **state) {
+  (void)state;
+  hk_isosurface_grid grid = box(20, 21, 22);
+  double *value = sampled(&grid, &ball);
+  const double scale[] = {1, 0x1p990, 0x1p-1000};
+  bench b[3];
+  for (int k = 0; k < 3; k++) {
+    double *scaled = malloc(20 * 21 * 22 * sizeof *scaled);
+    assert_non_null(scaled);
+    for (size_t i = 0; i < 20 * 21 * 22; i++) scaled[i] = ldexp(rint(ldexp(value[i], 20)), -20) * scale[k];
+    open_bench(&b[k], 1);
+    assert_int_equal(find(&b[k], grid, (hk_isosurface_field){.values = scaled}, (hk_isosurface_options){.level = 0}),
+                     HK_OK);
+    assert_true(normals_off(&b[k].surface) < 1e-14);
+    assert_int_equal(b[k].surface.vertices, b[0].surface.vertices);
+    for (size_t e = 0; e < 3 * b[k].surface.vertices; e++)
+      assert_true(fabs(b[k].surface.normal[e / 3][e % 3] - b[0].surface.normal[e / 3][e % 3]) < 1e-14);
+    memcpy(b[k].surface.normal, b[0].surface.normal, b[0].surface.vertices * sizeof *b[0].surface.normal);
+    assert_true(same(&b[k].surface, &b[0].surface));
+    free(scaled);
+  }
+  for (int k = 0; k < 3; k++) close_bench(&b[k]);
+  free(value);
+}
+
 /* ---- work and memory ---- */
 
 static void bounds_spare_evaluations_and_change_no_bit(void **state) {
@@ -349,6 +375,7 @@ int main(void) {
       cmocka_unit_test(slabs_across_each_axis_are_closed),
       cmocka_unit_test(surfaces_are_closed_along_the_box),
       cmocka_unit_test(a_margin_keeps_triangles_from_vanishing),
+      cmocka_unit_test(the_scale_of_values_changes_no_vertex),
       cmocka_unit_test(bounds_spare_evaluations_and_change_no_bit),
       cmocka_unit_test(memory_grows_with_the_surface),
       cmocka_unit_test(a_missing_allocation_is_said_and_changes_nothing),

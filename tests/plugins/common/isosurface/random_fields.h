@@ -13,7 +13,7 @@ static inline void fill_random(double *value, size_t points, bool integers, uint
   }
 }
 
-/* Each vertex of each surface has one closed ring of triangles. */
+/* Each vertex of each surface has one closed ring of triangles, and a normal, also where the gradient vanishes. */
 static inline void check_random_fields(hk_isosurface_method method, bool integers, size_t side, uint64_t number) {
   size_t points = 4 * side + 1;
   double *value = malloc(points * points * points * sizeof *value);
@@ -28,6 +28,7 @@ static inline void check_random_fields(hk_isosurface_method method, bool integer
   hk_isosurface_options options = {.method = method};
   assert_int_equal(hk_isosurface_find(&b.surface, host, &grid, &field, &options), HK_OK);
   assert_int_equal(count_broken(&b.surface), 0);
+  assert_true(normals_off(&b.surface) < 1e-14);
   assert_true(b.surface.triangles > 20 * side * side * side);
   free(value);
   close_bench(&b);

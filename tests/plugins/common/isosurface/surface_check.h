@@ -138,4 +138,15 @@ static inline double surface_volume(const hk_isosurface *s) {
   return sum;
 }
 
+/* Of the lengths of normals from 1; INFINITY: one is not finite. Rounding is 4e-16. */
+static inline double normals_off(const hk_isosurface *s) {
+  double most = 0;
+  for (size_t v = 0; v < s->vertices; v++) {
+    const double *n = s->normal[v];
+    double off = fabs(sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) - 1);
+    most = off <= most ? most : off < INFINITY ? off : INFINITY;
+  }
+  return most;
+}
+
 #endif
