@@ -1,56 +1,6 @@
 /* The search for a surface: the same bits for any number of threads, blocks that bounds leave out, surfaces closed
  * along the box, and a sentence for each thing that cannot be. */
-#include "tests/plugins/common/isosurface/shapes.h"
-
-/* ---- fields ---- */
-
-typedef struct counted { /* a sphere around `place`, and how often it was asked; on one thread */
-  double place[3], radius;
-  double hole; /* the field is NAN where x is above */
-  bool liar;   /* bounds leave out all blocks above the middle */
-  size_t *asked;
-} counted;
-
-static void counted_sphere(const void *self, const double (*x)[3], size_t count, double *value) {
-  const counted *s = self;
-  for (size_t k = 0; k < count; k++) {
-    double d[3] = {x[k][0] - s->place[0], x[k][1] - s->place[1], x[k][2] - s->place[2]};
-    value[k] = s->radius - sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    if (s->hole > 0 && x[k][0] > s->hole) value[k] = NAN;
-  }
-  if (s->asked) *s->asked += count;
-}
-
-/* By the nearest and the farthest place of the box, a rounding wider. */
-static void sphere_bounds(const void *self, const double low[3], const double high[3], double range[2]) {
-  const counted *s = self;
-  double nearest = 0, farthest = 0;
-  for (int c = 0; c < 3; c++) {
-    double below = s->place[c] - low[c], above = high[c] - s->place[c], far = fmax(fabs(below), fabs(above));
-    double near = below < 0 ? -below : above < 0 ? -above : 0;
-    nearest += near * near, farthest += far * far;
-  }
-  range[0] = s->radius - sqrt(farthest) - 1e-12, range[1] = s->radius - sqrt(nearest) + 1e-12;
-  if (s->liar && low[2] > s->place[2]) range[1] = -1;
-}
-
-static hk_isosurface_grid box(size_t nx, size_t ny, size_t nz) {
-  return (hk_isosurface_grid){
-      {nx, ny, nz}, {-1, -1, -1}, {2.0 / (double)(nx - 1), 2.0 / (double)(ny - 1), 2.0 / (double)(nz - 1)}};
-}
-
-static const counted ball = {.place = {0.03, -0.02, 0.05}, .radius = 0.7};
-
-static hk_status find(bench *b, hk_isosurface_grid grid, hk_isosurface_field field, hk_isosurface_options options) {
-  return hk_isosurface_find(&b->surface, &b->instance.host, &grid, &field, &options);
-}
-
-static bool same(const hk_isosurface *a, const hk_isosurface *b) {
-  return a->vertices == b->vertices && a->triangles == b->triangles &&
-         memcmp(a->x, b->x, a->vertices * sizeof *a->x) == 0 &&
-         memcmp(a->normal, b->normal, a->vertices * sizeof *a->normal) == 0 &&
-         memcmp(a->triangle, b->triangle, a->triangles * sizeof *a->triangle) == 0;
-}
+#include "tests/plugins/common/isosurface/balls.h"
 
 /* ---- results ---- */
 
@@ -71,44 +21,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state) {
   }
 }
 
-static double *sampled(const hk_isosurface_grid *grid, const counted *s) {
-  size_t count = grid->points[0] * grid->points[1] * grid->points[2];
-  double *value = malloc(count * sizeof *value);
-  assert_non_null(value);
-  for (size_t k = 0, n[2] = {grid->points[0], grid->points[1]}; k < count; k++) {
-    size_t at[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
-    double x[1][3];
-    for (int c = 0; c < 3; c++) x[0][c] = grid->origin[c] + (double)at[c] * grid->spacing[c];
-    counted_sphere(s, (const double(*)[3])x, 1, &value[k]);
-  }
-  return value;
-}
-
-/* From one thread to the other, and to the same field as a function, whose normals alone are others: they are
- * differences over less. The ball leaves the box, of which no side is a multiple of a block. */
-static void arrays_and_functions_have_the_same_vertices(void **state) {
-  (void)state;
-  counted at_corner = {.place = {0.8, -0.9, 0.7}, .radius = 0.75};
-  for (size_t n = 30; n < 39; n++) {
-    bench b[3];
-    hk_isosurface_grid grid = box(n, n + 5, n + 2);
-    double *value = sampled(&grid, &at_corner);
-    hk_isosurface_field array = {.values = value}, function = {.evaluate = counted_sphere, .self = &at_corner};
-    for (int k = 0; k < 3; k++) {
-      open_bench(&b[k], k == 1 ? 7 : 1);
-      hk_isosurface_options options = {.method = n % 2 ? HK_MARCHING_CUBES : HK_MARCHING_TETRAHEDRA, .close = true};
-      assert_int_equal(find(&b[k], grid, k == 2 ? function : array, options), HK_OK);
-    }
-    assert_true(same(&b[0].surface, &b[1].surface));
-    assert_int_equal(count_broken(&b[0].surface), 0);
-    assert_int_equal(b[0].surface.vertices, b[2].surface.vertices);
-    memcpy(b[2].surface.normal, b[0].surface.normal, b[0].surface.vertices * sizeof *b[0].surface.normal);
-    assert_true(same(&b[0].surface, &b[2].surface));
-    for (int k = 0; k < 3; k++) close_bench(&b[k]);
-    free(value);
-  }
-}
-
 /* Sides that are no multiples of blocks, spacings that differ; the largest edge of a grid of 40 cells bounds the error.
  */
 static void grids_of_any_sides_hold_the_surface(void **state) {
@@ -124,31 +36,6 @@ static void grids_of_any_sides_hold_the_surface(void **state) {
     assert_true(fabs(surface_volume(&b.surface) - exact) < 0.04 * exact);
     close_bench(&b);
   }
-}
-
-/* A slab whose rows of values are all alike, so that each row of every block crosses the surface in the same way. */
-static void slabs_across_each_axis_are_closed(void **state) {
-  (void)state;
-  enum { N = 20 };
-  double *value = malloc(N * N * N * sizeof *value);
-  assert_non_null(value);
-  for (int axis = 0; axis < 3; axis++)
-    for (int method = 0; method < 2; method++) {
-      bench b;
-      open_bench(&b, 1);
-      for (size_t k = 0; k < N * N * N; k++) {
-        size_t at[3] = {k % N, k / N % N, k / N / N};
-        value[k] = 4.25 - fabs((double)at[axis] - 9);
-      }
-      hk_isosurface_grid grid = {{N, N, N}, {0}, {1, 1, 1}};
-      hk_isosurface_options options = {.method = (hk_isosurface_method)method, .close = true};
-      assert_int_equal(find(&b, grid, (hk_isosurface_field){.values = value}, options), HK_OK);
-      assert_int_equal(count_broken(&b.surface), 0);
-      assert_true(fabs(surface_volume(&b.surface) - 8.5 * 19 * 19) < 1e-9);
-      assert_true(fabs(surface_area(&b.surface) - 2 * 19 * 19 - 4 * 19 * 8.5) < 1e-9);
-      close_bench(&b);
-    }
-  free(value);
 }
 
 /* A ball of which the box has a part, and a box that is inside everywhere, of which all is the box: the volume is exact
@@ -200,32 +87,6 @@ static void a_margin_keeps_triangles_from_vanishing(void **state) {
     assert_int_equal(vanished > 0, k == 0);
     close_bench(&b);
   }
-}
-
-/* By powers of two, so that nothing but the squares in a normal is rounded otherwise. */
-static void the_scale_of_values_changes_no_vertex(void **state) {
-  (void)state;
-  hk_isosurface_grid grid = box(20, 21, 22);
-  double *value = sampled(&grid, &ball);
-  const double scale[] = {1, 0x1p990, 0x1p-1000};
-  bench b[3];
-  for (int k = 0; k < 3; k++) {
-    double *scaled = malloc(20 * 21 * 22 * sizeof *scaled);
-    assert_non_null(scaled);
-    for (size_t i = 0; i < 20 * 21 * 22; i++) scaled[i] = ldexp(rint(ldexp(value[i], 20)), -20) * scale[k];
-    open_bench(&b[k], 1);
-    assert_int_equal(find(&b[k], grid, (hk_isosurface_field){.values = scaled}, (hk_isosurface_options){.level = 0}),
-                     HK_OK);
-    assert_true(normals_off(&b[k].surface) < 1e-14);
-    assert_int_equal(b[k].surface.vertices, b[0].surface.vertices);
-    for (size_t e = 0; e < 3 * b[k].surface.vertices; e++)
-      assert_true(fabs(b[k].surface.normal[e / 3][e % 3] - b[0].surface.normal[e / 3][e % 3]) < 1e-14);
-    memcpy(b[k].surface.normal, b[0].surface.normal, b[0].surface.vertices * sizeof *b[0].surface.normal);
-    assert_true(same(&b[k].surface, &b[0].surface));
-    free(scaled);
-  }
-  for (int k = 0; k < 3; k++) close_bench(&b[k]);
-  free(value);
 }
 
 /* ---- work and memory ---- */
@@ -370,12 +231,9 @@ static void a_hole_between_points_is_said(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
-      cmocka_unit_test(arrays_and_functions_have_the_same_vertices),
       cmocka_unit_test(grids_of_any_sides_hold_the_surface),
-      cmocka_unit_test(slabs_across_each_axis_are_closed),
       cmocka_unit_test(surfaces_are_closed_along_the_box),
       cmocka_unit_test(a_margin_keeps_triangles_from_vanishing),
-      cmocka_unit_test(the_scale_of_values_changes_no_vertex),
       cmocka_unit_test(bounds_spare_evaluations_and_change_no_bit),
       cmocka_unit_test(memory_grows_with_the_surface),
       cmocka_unit_test(a_missing_allocation_is_said_and_changes_nothing),
