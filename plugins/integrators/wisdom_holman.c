@@ -229,7 +229,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "wisdom_holman",
     .summary =
         "splitting for orbits about a heavy body: conic sections, and kicks by all else, eight evaluations a step; "
-        "errors of e h^10, e^2 h^6 and e^3 h^4, e the ratio of the masses",
+        "errors of e h^10, e^2 h^6 and e^3 h^4, e the ratio of the masses; order 4 where none is small, 2 in what "
+        "depends on the velocity",
     .reference = "Wisdom and Holman 1991, AJ 102; Blanes et al. 2013, Appl. Numer. Math. 68, ABA(10, 6, 4); Rein and "
                  "Tamayo 2015, MNRAS 452",
     .instance_size = sizeof(wisdom_holman),

@@ -43,11 +43,14 @@ static void look(orbit *o, double s) {
   o->slope_r = o->e * c[0] + deeper * o->g1;
 }
 
-/* Two terms of the series s(h) where they tell something, else the average of ds/dt over an ellipse. */
+/* Two terms of the series s(h) where they tell something, else the average of ds/dt over an ellipse, or a hyperbola
+ * whose distance grows as cosh. */
 static double first_guess(const orbit *o) {
-  double bend = o->e * o->h / (2 * o->r0 * o->r0), mean = o->b * o->h / o->mu, near = o->h / o->r0;
-  if (fabs(bend) < 0.3) return near * (1 - bend);
-  return o->b > 0 ? mean : near / (1 + fabs(bend));
+  double near = o->h / o->r0, bend = o->e * near / (2 * o->r0), rate = sqrt(fabs(o->b)), mean = o->b * o->h / o->mu;
+  if (fabs(bend) < 0.3 && rate * fabs(near) < 1) return near * (1 - bend);
+  if (o->b > 0 && rate * fabs(mean) > 0.5) return mean;
+  near /= 1 + fabs(bend);
+  return o->b < 0 ? asinh(rate * near) / rate : near;
 }
 
 /* Halley's step, third order; Newton's where the time bends too much. */
@@ -56,47 +59,67 @@ static double improvement(const orbit *o) {
   return -o->late / (fabs(half) < o->r / 2 ? o->r - half : o->r);
 }
 
-/* Looks at the s whose time is h. Where Halley's step leaves what is known to enclose it, that is halved. */
-static void solve(orbit *o) {
+/* Looks at the s whose time is h; false: it is not found. Where Halley's step leaves what is known to enclose it, and
+ * each fourth time, so that distances that rise as exp(s) are not followed step by step, that is halved. */
+static bool solve(orbit *o) {
   enum { MOST = 200 };
   const double nearly = 1e-6; /* of s: the next error is its third power */
   double low = o->h > 0 ? 0 : -INFINITY, high = o->h > 0 ? INFINITY : 0, s = first_guess(o);
   for (int k = 0; k < MOST; k++) {
     look(o, s);
-    if (o->late == 0) return;
+    if (o->late == 0) return true;
     bool beyond = isfinite(o->late) ? o->late > 0 : s > 0;
     *(beyond ? &high : &low) = s;
     double next = s + improvement(o);
-    bool inside = next > low && next < high;
-    if (!inside) next = isfinite(low) && isfinite(high) ? low + (high - low) / 2 : 2 * s;
+    bool enclosed = isfinite(low) && isfinite(high), inside = next > low && next < high && !(enclosed && k % 4 == 3);
+    if (!inside) next = enclosed ? low + (high - low) / 2 : 2 * s;
     double change = fabs(next - s), size = fabs(next);
     s = next;
-    if (change <= 2 * DBL_EPSILON * size || (inside && change <= nearly * size)) break;
+    if (change <= 2 * DBL_EPSILON * size || (inside && change <= nearly * size)) {
+      look(o, s);
+      return true;
+    }
   }
-  look(o, s);
+  return false;
+}
+
+/* On a hyperbola towards the pericentre the terms of the time grow as exp(s) and cancel. */
+static bool cancels(const orbit *o) {
+  const double most = 16; /* times what is left */
+  double terms = fabs(o->e * o->g2) + fabs((o->mu - o->b * o->r0) * o->g3);
+  return o->b < 0 && o->e * o->h < 0 && !(terms < most * fabs(o->h));
+}
+
+static bool move(double mu, double h, double x[3], double v[3], int halvings) {
+  enum { MOST = 60 };
+  orbit o = {.mu = mu, .h = h, .r0 = hk_length(x), .e = hk_dot(x, v)};
+  if (!(o.r0 > 0)) return false;
+  o.b = 2 * mu / o.r0 - hk_dot(v, v);
+  double period = o.b > 0 ? two_pi * mu / (o.b * sqrt(o.b)) : INFINITY;
+  if (fabs(h) > period) o.h = h - period * round(h / period);
+  if (o.h == 0) return true;
+  bool found = true;
+  if (mu > 0)
+    found = solve(&o);
+  else
+    o.g1 = o.h / o.r0, o.r = o.r0;
+  if (mu > 0 && cancels(&o) && halvings < MOST)
+    return move(mu, h / 2, x, v, halvings + 1) && move(mu, h / 2, x, v, halvings + 1);
+  double f = -mu * o.g2 / o.r0, g = o.h - mu * o.g3, df = -mu * o.g1 / (o.r * o.r0), dg = -mu * o.g2 / o.r;
+  for (int c = 0; c < 3; c++) {
+    double place = x[c];
+    x[c] += f * place + g * v[c];
+    v[c] += df * place + dg * v[c];
+  }
+  return found;
 }
 
 bool hk_kepler_move(double mu, double h, double x[3], double v[3]) {
-  orbit o = {.mu = mu, .h = h, .r0 = hk_length(x), .e = hk_dot(x, v)};
-  if (!(o.r0 > 0)) return false;
-  if (h == 0) return true;
-  o.b = 2 * mu / o.r0 - hk_dot(v, v);
-  double period = o.b > 0 ? two_pi * mu / (o.b * sqrt(o.b)) : INFINITY, to[2][3];
-  if (fabs(h) > period) o.h = h - period * round(h / period);
-  if (o.h == 0) return true;
-  if (mu > 0) {
-    solve(&o);
-  } else {
-    o.g1 = o.h / o.r0, o.g2 = o.g3 = 0, o.r = o.r0;
-  }
-  double f = -mu * o.g2 / o.r0, g = o.h - mu * o.g3, df = -mu * o.g1 / (o.r * o.r0), dg = -mu * o.g2 / o.r, sum = 0;
-  for (int c = 0; c < 3; c++) {
-    to[0][c] = x[c] + (f * x[c] + g * v[c]);
-    to[1][c] = v[c] + (df * x[c] + dg * v[c]);
-    sum += to[0][c] + to[1][c];
-  }
-  if (!isfinite(sum)) return false;
-  hk_copy(x, to[0]);
-  hk_copy(v, to[1]);
+  double to[3], speed[3];
+  hk_copy(to, x);
+  hk_copy(speed, v);
+  if (!move(mu, h, to, speed, 0) || !isfinite(hk_length(to) + hk_length(speed))) return false;
+  hk_copy(x, to);
+  hk_copy(v, speed);
   return true;
 }
