@@ -5,9 +5,10 @@
  * leapfrog needs before every state that is looked at.
  *
  * It does not look into forces. At the start, and when particles come or go, it asks which constant G makes the
- * accelerations Newton's; that of `nbody` comes out to rounding. What the conic sections leave of the accelerations is
- * the kick, whatever it is. Where Newton's law leaves a tenth, or a tenth of the mass is beside the heaviest body (of
- * more than two), there are no such orbits: motion between kicks is straight then, and a warning says so. Bodies are
+ * accelerations relative to the heaviest body Newton's; that of `nbody` comes out to rounding. What the conic sections
+ * leave of the accelerations is the kick, whatever it is. Where Newton's law leaves a tenth, or the others have a tenth
+ * of the heaviest body's mass (and are more than one), there are no such orbits: motion between kicks is straight then,
+ * and a warning says so. Bodies are
  * the particles without a pin; others move straight between kicks. Encounters of two light bodies are not resolved by
  * the splitting: gauss_radau is for those.
  *

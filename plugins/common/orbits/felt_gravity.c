@@ -51,14 +51,18 @@ static void pull(const hk_model *model, const double *x, const uint32_t *order, 
   }
 }
 
-/* The mean of a.n/n^2 over bodies, n the acceleration for G = 1: that of least squares, relative to n. */
+/* The mean of a.n/n^2 over bodies beside the heaviest, whose accelerations both are relative to, n for G = 1: that of
+ * least squares, relative to n. */
 static void fit(const hk_model *model, const double *x, const double *a, const uint32_t *order, hk_felt_gravity *f) {
   size_t stride = (f->bodies + LOOKED_AT - 1) / LOOKED_AT, looked = 0;
-  double along = 0, whole = 0;
-  for (size_t k = 0; k < f->bodies; k += stride, looked++) {
-    const double *felt = a + 3 * (size_t)order[k];
-    double n[3];
+  const double *centre = a + 3 * (size_t)order[0];
+  double along = 0, whole = 0, own[3];
+  pull(model, x, order, f->bodies, order[0], own);
+  for (size_t k = 1; k < f->bodies; k += stride, looked++) {
+    double n[3], felt[3];
     pull(model, x, order, f->bodies, order[k], n);
+    hk_subtract(n, n, own);
+    hk_subtract(felt, a + 3 * (size_t)order[k], centre);
     along += hk_dot(felt, n) / hk_dot(n, n);
     whole += hk_dot(felt, felt) / hk_dot(n, n);
   }

@@ -1,4 +1,5 @@
-/* Which bodies of a scene go round a heavy one, by the accelerations that they feel. */
+/* Which bodies of a scene go round a heavy one, by the accelerations that they feel relative to it: what all feel
+ * alike, as a uniform field, changes no orbit. */
 #ifndef HK_FELT_GRAVITY_H
 #define HK_FELT_GRAVITY_H
 
@@ -6,7 +7,7 @@
 
 typedef struct hk_felt_gravity {
   double G;      /* m^3/(kg s^2), the constant that explains the accelerations best */
-  double off;    /* what it leaves of them: of each body its part, root of the mean square; 1: it explains nothing */
+  double off;    /* what it leaves of them, relative: root of the mean square over bodies; 1: it explains nothing */
   size_t bodies; /* that move freely */
   double others; /* their masses over that of the heaviest, without it */
 } hk_felt_gravity;

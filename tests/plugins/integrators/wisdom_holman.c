@@ -47,10 +47,11 @@ typedef struct trio {
   fake_method method;
 } trio;
 
-/* A sun of 1 kg and planets at 1 and 2.1 m, of eccentricities of some tenths, G = 1. */
+/* A sun of 1 kg and planets at 1 and 2.1 m, of eccentricities of some tenths, G = 1; their centre of mass is at rest.
+ */
 static trio open_trio(const char *method, force *f, const double *mass) {
   static const double x[3 * N] = {0.1, 0.2, 0.3, 1.1, 0.2, 0.35, 0.1, -1.9, 0.3};
-  static const double v[3 * N] = {0, 0, 0.01, 0.02, 1.1, 0.01, 0.75, 0, 0.05};
+  static const double v[3 * N] = {0, 0, 0, 0.02, 1.1, 0.01, 0.75, 0, 0.05};
   trio t;
   f->mass = mass;
   t.system = fake_system_create(
@@ -58,7 +59,7 @@ static trio open_trio(const char *method, force *f, const double *mass) {
   memcpy(t.system->mass, mass, N * sizeof *mass);
   memcpy(t.system->system.X, x, sizeof x);
   memcpy(t.system->system.X + 3 * N, v, sizeof v);
-  t.system->system.tol = 1e-16;
+  for (size_t e = 3; e < 3 * N; e++) t.system->system.X[3 * N + e % 3] -= mass[e / 3] * v[e] / mass[0];
   t.method = fake_method_open(method, t.system);
   return t;
 }
@@ -93,21 +94,24 @@ static void without_other_masses_any_step_is_exact(void **state) {
   for (size_t steps = 1; steps <= 3; steps++) {
     double error = off((force){.G = 1}, mass, 20, steps, 0, 3 * N);
     print_message("%zu steps: %.2e\n", steps, error);
-    assert_true(error < 3e-13);
+    assert_true(error < 3e-12);
   }
 }
 
-/* Steps of a ninth to a third of a turn. Of e h^10 what is left at 1e-6 and less; with a planet of a hundredth h^4 and
- * h^6 show. */
+/* In steps of a half and a quarter of the inner turn: at a ratio of 1e-6 what is left is e h^10; at 1e-2, of powers of
+ * h from 4 to 6, it is the square of the ratio that matters. */
 static void errors_fall_with_the_ratio_of_the_masses(void **state) {
   (void)state;
   static const double small[N] = {1, 1e-6, 2e-6}, large[N] = {1, 0.01, 0.02};
   force f = {.G = 1};
-  double light = off(f, small, 30, 60, 0, 3 * N), lighter_steps = off(f, small, 30, 90, 0, 3 * N);
-  double heavy = off(f, large, 30, 60, 0, 3 * N), finer = off(f, large, 30, 120, 0, 3 * N);
-  print_message("ratio 1e-6: %.2e, %.2e; ratio 1e-2: %.2e, %.2e\n", light, lighter_steps, heavy, finer);
-  assert_true(log(light / lighter_steps) / log(1.5) > 8 && light < 1e-3 * heavy);
-  assert_true(log2(heavy / finer) > 5.5);
+  double light[2], heavy[2];
+  for (size_t k = 0; k < 2; k++) {
+    light[k] = off(f, small, 30, k ? 18 : 10, 0, 3 * N);
+    heavy[k] = off(f, large, 30, k ? 36 : 18, 0, 3 * N);
+  }
+  print_message("ratio 1e-6: %.2e, %.2e; ratio 1e-2: %.2e, %.2e\n", light[0], light[1], heavy[0], heavy[1]);
+  assert_true(log(light[0] / light[1]) / log(1.8) > 9 && light[1] < 1e-5 * heavy[0]);
+  assert_true(log2(heavy[0] / heavy[1]) > 3.8);
 }
 
 /* A field on all is a kick that moves the centre of mass as a fall does, and channels and drag are integrated with it.
@@ -117,10 +121,11 @@ static void further_forces_are_kicks(void **state) {
   static const double mass[N] = {1, 1e-3, 3e-4};
   force field = {.G = 1, .field = 0.01};
   double places = off(field, mass, 10, 60, 0, 3 * N), channels = off(field, mass, 10, 60, 6 * N, N);
-  assert_true(places < 1e-8 && channels < 1e-7);
+  print_message("field %.2e, channels %.2e\n", places, channels);
   force drag = {.G = 1, .drag = 0.01};
   double coarse = off(drag, mass, 10, 60, 0, SIZE), fine = off(drag, mass, 10, 120, 0, SIZE);
-  print_message("field %.2e, channels %.2e, drag %.2e and %.2e\n", places, channels, coarse, fine);
+  print_message("drag %.2e and %.2e\n", coarse, fine);
+  assert_true(places < 1e-8 && channels < 1e-7);
   assert_true(coarse < 1e-5 && fabs(log2(coarse / fine) - 2) < 0.2);
 }
 
@@ -168,38 +173,49 @@ static void totals(const trio *t, double sum[4]) {
   sum[3] = fabs(sum[2]);
 }
 
-/* Ten thousand turns of the inner planet in fifteen steps each: the energy, some 1e-9 of it off, is no farther off in
- * the last tenth than in the first; the momenta walk by roundings, of 150,000 steps and 9 drifts. */
-static void energy_does_not_drift_over_ten_thousand_orbits(void **state) {
-  (void)state;
+/* Over ten thousand turns of the inner planet: of the energy what it is off in the first tenth and in the last, of the
+ * angular momentum what it is off at the end, and of the momentum. */
+static void walk(double steps_of_a_turn, double *first, double *last, double *turning, double *moving) {
   static const double mass[N] = {1, 1e-3, 3e-4};
   force f = {.G = 1};
   trio t = open_trio("wisdom_holman", &f, mass);
+  size_t steps = (size_t)(1e4 * steps_of_a_turn);
   double start[4], now[4], part[10] = {0};
   totals(&t, start);
-  for (size_t k = 0; k < 150000; k++) {
-    assert_int_equal(fake_method_step(&t.method, turn / 15, NULL), HK_OK);
+  for (size_t k = 0; k < steps; k++) {
+    assert_int_equal(fake_method_step(&t.method, turn / steps_of_a_turn, NULL), HK_OK);
     totals(&t, now);
-    part[k / 15000] = fmax(part[k / 15000], fabs(now[2] - start[2]) / start[3]);
+    part[10 * k / steps] = fmax(part[10 * k / steps], fabs(now[2] - start[2]) / start[3]);
   }
-  print_message("energy %.2e in the first tenth, %.2e in the last; momenta %.1e, %.1e\n", part[0], part[9],
-                now[0] - start[0], now[1] / start[1] - 1);
-  assert_true(part[0] < 1e-6 && part[9] < 1.5 * part[0]);
-  assert_true(fabs(now[0] - start[0]) < 1e-12 && fabs(now[1] / start[1] - 1) < 1e-11);
+  *first = part[0], *last = part[9], *turning = fabs(now[1] / start[1] - 1), *moving = fabs(now[0] - start[0]);
+  print_message("%g steps a turn: energy %.2e and %.2e, momenta %.1e, %.1e\n", steps_of_a_turn, *first, *last, *turning,
+                *moving);
   close_trio(&t);
+}
+
+/* With four steps a turn the energy is off by the method's own error, and no farther in the end. With twelve all is
+ * roundings, which walk at random: 1e-16 for each of a million drifts is 1e-13. */
+static void energy_does_not_drift_over_ten_thousand_orbits(void **state) {
+  (void)state;
+  double first, last, turning, moving;
+  walk(4, &first, &last, &turning, &moving);
+  assert_true(first > 1e-11 && first < 1e-5 && last < 1.5 * first && turning < 1e-12 && moving < 1e-14);
+  walk(12, &first, &last, &turning, &moving);
+  assert_true(last < 5e-12 && turning < 1e-12 && moving < 1e-14);
 }
 
 /* ---- scenes ---- */
 
-/* Hairer, Lubich and Wanner's planets: 250 steps of 800 days are twice as right as 850 of blanes_moan. */
+/* Hairer, Lubich and Wanner's planets: 4,000 evaluations end some 3e-9 of the earth's distance off, where kahan_li8
+ * takes 13,600 to 2.5e-5. */
 static void planets_end_where_they_are_known_to(void **state) {
   (void)state;
   size_t evaluations;
   double coarse = nbody_error(&nbody_solar, "wisdom_holman", 800, 0, &evaluations);
   double fine = nbody_error(&nbody_solar, "wisdom_holman", 400, 0, NULL);
   double other = nbody_error(&nbody_solar, "kahan_li8", 250, 0, NULL);
-  print_message("%.2e, %.2e; kahan_li8 %.2e\n", coarse, fine, other);
-  assert_true(evaluations == 2001 && fine < 2e-8 && coarse / fine > 64 && other > 100 * fine);
+  print_message("%.2e in %zu evaluations, %.2e; kahan_li8 %.2e\n", coarse, evaluations, fine, other);
+  assert_true(evaluations < 2020 && fine < 2e-8 && coarse / fine > 64 && other > 100 * fine);
 }
 
 static const char *only_warning(test_engine *e) { return e->run->warnings.count == 1 ? e->run->warnings.text[0] : ""; }
@@ -249,7 +265,7 @@ static void constraints_are_refused_with_a_sentence(void **state) {
   test_engine e;
   nbody_open(&e, &nbody_kepler, "wisdom_holman");
   test_edges(&e, test_plugin(&e, HK_CONSTRAINT, "bars"), (const uint32_t[][2]){{1, 2}}, 1);
-  hk_status status = hk_run_open(&e.run, e.scene, &e.registry, &e.options, &e.error);
+  hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
   print_message("%s\n", e.error.text);
   assert_true(status != HK_OK && strstr(e.error.text, "know no multipliers"));
   test_engine_close(&e);
