@@ -4,13 +4,14 @@
  * e^3 h^4, by the eight kicks of Blanes et al., symmetric, symplectic, and without the correctors that Wisdom's own
  * leapfrog needs before every state that is looked at.
  *
- * It does not look into forces. At the start, and when particles come or go, it asks which constant G makes the
- * accelerations relative to the heaviest body Newton's; that of `nbody` comes out to rounding. What the conic sections
- * leave of the accelerations is the kick, whatever it is. Where Newton's law leaves a tenth, or the others have a tenth
- * of the heaviest body's mass (and are more than one), there are no such orbits: motion between kicks is straight then,
- * and a warning says so. Bodies are the particles without a pin; others move straight between kicks. Encounters of two
- * light bodies are not resolved by the splitting: gauss_radau is for those. The largest step is that of the kicks in
- * straight lines; what is accurate is a tenth to a thirtieth of the shortest turn.
+ * It does not look into forces. At the start, and when the host changes the state or particles come and go, it asks
+ * which constant G makes the accelerations relative to the heaviest body Newton's; that of `nbody` comes out to
+ * rounding. What the conic sections leave of the accelerations is the kick, whatever it is. Where Newton's law leaves a
+ * tenth, or the others have a tenth of the heaviest body's mass (and are more than one), there are no such orbits:
+ * motion between kicks is straight then, and a warning says so. Bodies are the particles without a pin; others move
+ * straight between kicks. Encounters of two light bodies are not resolved by the splitting: gauss_radau is for those.
+ * The largest step is that of the kicks in straight lines; what is accurate is a tenth to a thirtieth of the shortest
+ * turn.
  *
  * The sun and five planets, 1,000 orbits of Jupiter, largest error of a place over its distance from the sun;
  * evaluations and seconds of a run, the least of three, two cores shared with others: 3e-7    dt = 600     57,768 0.09
@@ -71,10 +72,11 @@ static const hk_field fields[] = {
     {0},
 };
 
+/* A pin may have been released, too. */
 static void reset(void *self, hk_reason why) {
   wisdom_holman *m = self;
   if (why != HK_CHECKPOINT) m->primed = 0;
-  if (why == HK_PARTICLES_CHANGED) m->arranged = 0, m->listed = false;
+  if (why == HK_PARTICLES_CHANGED || why == HK_STATE_CHANGED) m->arranged = 0, m->listed = false;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
