@@ -113,8 +113,8 @@ static hk_status arrange(wisdom_holman *m, hk_system *s) {
   for (size_t k = 0; k < felt.bodies; k++) m->rank[m->bodies.order[k]] = (double)k + 1;
   if (!fits)
     s->host->warn(s->host,
-                  "no orbits about a heavy body are found, whose accelerations would be Newton's to a tenth and ten "
-                  "times as heavy as all others: motion between kicks is straight, and blanes_moan needs fewer "
+                  "no orbits about a heavy body are found: none is ten times as heavy as all others together and draws "
+                  "them by Newton's law to a tenth, so that motion between kicks is straight; blanes_moan needs fewer "
                   "evaluations for the same error");
   m->arranged = 1;
   m->listed = false;
