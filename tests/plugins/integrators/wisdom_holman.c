@@ -287,6 +287,41 @@ static void released_pins_fall_along_orbits(void **state) {
   assert_true(end[0][0] < 1 && fabs(end[0][0] - end[1][0]) < 1e-9);
 }
 
+/* A planet that is born at the end of a step goes round as others do, inside of one that was there before. */
+static void newborns_go_round(void **state) {
+  (void)state;
+  double end[2][6];
+  for (int k = 0; k < 2; k++) {
+    test_engine e;
+    test_engine_open(&e);
+    test_plugin(&e, HK_INTEGRATOR, k ? "kahan_li8" : "wisdom_holman");
+    test_number(&e, test_plugin(&e, HK_FORCE, "nbody"), "G", 1);
+    test_particle(&e, 0, 0, 0, 1);
+    uint32_t planet = test_particle(&e, 2, 0, 0, 1e-4);
+    e.scene->particles.velocity[3 * (planet - 1) + 1] = 0.7;
+    hk_plugin_spec *source = test_plugin(&e, HK_SOURCE, "emitter");
+    test_number(&e, source, "burst", 1);
+    test_list(&e, source, "burst_at", (const double[]){1}, 1);
+    test_number(&e, source, "rate", 0);
+    test_vector(&e, source, "position", 0, -1, 0);
+    test_vector(&e, source, "direction", 1, 0, 0);
+    test_number(&e, source, "speed", 1);
+    test_number(&e, source, "mass", 1e-4);
+    e.scene->duration = 7;
+    e.scene->fps = 1;
+    e.options.dt = k ? 1.0 / 128 : 0.25;
+    test_run(&e);
+    test_advance(&e, 7);
+    memcpy(end[k], test_position(&e, planet), 3 * sizeof **end);
+    memcpy(end[k] + 3, test_position(&e, 3), 3 * sizeof **end);
+    test_engine_close(&e);
+  }
+  double most = 0;
+  for (int c = 0; c < 6; c++) most = fmax(most, fabs(end[0][c] - end[1][c]));
+  print_message("newborn at %g, %g; %.2e off\n", end[0][3], end[0][4], most);
+  assert_true(most < 1e-10);
+}
+
 static void constraints_are_refused_with_a_sentence(void **state) {
   (void)state;
   test_engine e;
@@ -309,6 +344,7 @@ int main(void) {
       cmocka_unit_test(where_no_body_is_heavy_it_says_so),
       cmocka_unit_test(pins_are_kept),
       cmocka_unit_test(released_pins_fall_along_orbits),
+      cmocka_unit_test(newborns_go_round),
       cmocka_unit_test(constraints_are_refused_with_a_sentence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
