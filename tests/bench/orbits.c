@@ -106,6 +106,7 @@ static const method methods[] = {{"stoermer8", HOOKE, 0, 1, false},
                                  {"kahan_li8", HOOKE, 0, 17, false},
                                  {"stoermer5", HOOKE, 0, 1, false},
                                  {"blanes_moan", HOOKE, 0, 6, false},
+                                 {"wisdom_holman", HOOKE, 0, 8, false},
                                  SUNDIALS_SIDE(PLAIN),
                                  SUNDIALS_SIDE(SHARED)};
 enum { METHODS = sizeof methods / sizeof *methods };

@@ -12,7 +12,8 @@
 
 enum { N = 8 };
 
-static char methods[32][64];
+enum { METHODS = 64 };
+static char methods[METHODS][64];
 static size_t method_count;
 
 static int list_methods(void **state) {
@@ -21,6 +22,7 @@ static int list_methods(void **state) {
   for (struct dirent *entry; folder && (entry = readdir(folder));) {
     size_t length = strlen(entry->d_name);
     if (length < 4 || length > 60 || strcmp(entry->d_name + length - 3, ".so") != 0) continue;
+    if (method_count == METHODS) return -1;
     memcpy(methods[method_count], entry->d_name, length - 3);
     methods[method_count++][length - 3] = 0;
   }

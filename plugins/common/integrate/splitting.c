@@ -27,7 +27,7 @@ static void increments(const hk_splitting_method *f, double z, double complex d,
   for (int i = 0; i < f->stages; i++) {
     dp += f->kick[i] * q;
     dx += f->drift[i] * (p + dp);
-    q = -z * (x + dx) - d * (p + dp + ahead(f, i + 1) * q);
+    if (f->kick[i + 1] != 0) q = -z * (x + dx) - d * (p + dp + ahead(f, i + 1) * q);
   }
   out[0] = dx;
   out[1] = dp + f->kick[f->stages] * q;

@@ -47,7 +47,8 @@ typedef struct hk_splitting {
 extern const hk_field hk_splitting_fields[]; /* of instances that are hk_splitting */
 extern const hk_facet hk_splitting_facets[];
 
-/* Members of an hk_integrator whose instance is an hk_splitting and whose `method` an hk_splitting_method. */
+/* Members of an hk_integrator whose instance is an hk_splitting and whose `method` an hk_splitting_method. The growth
+ * is also that of a method with another step, which evaluates nothing where a kick has no length. */
 hk_status hk_splitting_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out);
 void hk_splitting_reset(void *self, hk_reason why);
 double hk_splitting_growth(const void *self, const void *method, double hw, double hg, double hb);

@@ -18,7 +18,7 @@ static const char *const part_name[PARTS] = {"x", "v", "channel", "work"};
 static const struct {
   const char *name;
   int order;
-} lower[] = {{"blanes_moan", 2}, {"kahan_li8", 2}};
+} lower[] = {{"blanes_moan", 2}, {"kahan_li8", 2}, {"wisdom_holman", 2}};
 
 /* With steps whose errors are above rounding the first is not stable here, and the iteration of the second does not
  * converge: their orders are measured in stoermer.c and gauss_radau.c. */

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { MOST = 4, SCENES = 16, METHODS = 32 };
+enum { MOST = 4, SCENES = 16, METHODS = FAKE_METHODS };
 
 static uint64_t state_of_random;
 
@@ -139,11 +139,12 @@ static void judge(const char *name, tally *t, double least) {
   if (median < least) fail_msg("%s is foretold too short a step", name);
 }
 
-/* Two methods grow in narrow bands of h w near pi, of which the lower end is foretold: scenes without damping, of which
- * none of the few modes lies in the band, could go on to 5.63 and 5.03. */
+/* Three methods grow in narrow bands of h w near pi, of which the lower end is foretold: scenes without damping, of
+ * which none of the few modes lies in the band, could go on to 5.63, 5.99 and 5.03. */
 static double least_median(const char *name, const char *sharp) {
   if (sharp && !strstr(sharp, name)) return 0;
-  return strcmp(name, "kahan_li8") == 0 ? 0.5 : strcmp(name, "blanes_moan") == 0 ? 0.6 : 0.8;
+  if (strcmp(name, "kahan_li8") == 0 || strcmp(name, "wisdom_holman") == 0) return 0.5;
+  return strcmp(name, "blanes_moan") == 0 ? 0.6 : 0.8;
 }
 
 static tally all[METHODS]; /* of the last survey */
