@@ -82,16 +82,32 @@ static void normalise(double *const *address, size_t count) {
   for (size_t e = 0; e < count && largest > 1e6; e++) *address[e] /= largest;
 }
 
-/* Keeps the addresses that the motion reaches: the other components stay 0. Returns how many. */
+/* Whether it is a number that a method keeps for a particle beside the motion, such as a place in an order. */
+static bool is_of_a_particle(const fake_method *m, const double *address) {
+  for (const hk_field *field = m->plugin->fields; field && field->name; field++) {
+    if (!field->per_particle) continue;
+    const double *first = *(double **)hk_field_in(field, m->self);
+    if (address >= first && address < first + m->system->system.n * field->width) return true;
+  }
+  return false;
+}
+
+/* Keeps the addresses that the motion reaches: the other components stay 0, or are a particle's and constant. Returns
+ * how many. */
 static size_t reached(fake_method *m, double **address, size_t count) {
   bool *alive = calloc(count, sizeof *alive);
+  double *first = malloc((count + 1) * sizeof *first);
   size_t kept = 0;
-  assert_non_null(alive);
+  assert_true(alive && first);
   for (int i = 0; i < WARM; i++) {
     go(m, 1);
-    for (size_t e = 0; e < count; e++) alive[e] |= *address[e] != 0;
+    for (size_t e = 0; e < count; e++) {
+      if (i == 0) first[e] = *address[e];
+      alive[e] |= *address[e] != 0 && !(*address[e] == first[e] && is_of_a_particle(m, address[e]));
+    }
     normalise(address, count);
   }
+  free(first);
   for (size_t e = 0; e < count; e++)
     if (alive[e]) address[kept++] = address[e];
   free(alive);
