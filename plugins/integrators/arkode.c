@@ -28,8 +28,6 @@
 enum { ERK, DIRK, PATIENCE = 20 };
 enum { SPARSE, KRYLOV };
 
-static const double very_short = 1e-3; /* of the planned step */
-
 typedef struct arkode {
   hk_sundials sundials; /* first member */
   int method, solver;
@@ -183,21 +181,12 @@ static double error_of(const arkode *m) {
   return hk_sundials_norm(m->error, m->weight);
 }
 
-/* s, the longest that a step may be. After one that the host made shorter SUNDIALS may take more than it plans, so that
- * limit stays; but a piece between two cuts that is very short says nothing of later steps. */
-static double longest_step(arkode *m, double h) {
-  bool planned = m->planned < INFINITY, limited = planned && h < m->planned * (1 - 1e-12);
-  if (limited && h > very_short * m->planned) m->most = h;
-  if (limited || !planned) return m->most > 0 ? fmin(m->most, h) : h;
-  return m->most > 0 ? m->most : INFINITY;
-}
-
 /* Determines the end of the next step. ARKODE gets the length of a fixed step, or otherwise a stop time. */
 static int prepare(arkode *m, const hk_system *s, double t_stop, double h, double *stop) {
   double span = t_stop - s->t;
   *stop = t_stop;
   if (!(m->fixed > 0)) {
-    double limit = longest_step(m, h);
+    double limit = hk_sundials_longest(h, m->planned, &m->most);
     if (t_stop - s->t > limit * (1 + 1e-9)) *stop = s->t + limit;
     return ARK(SetStopTime)(m->memory, *stop);
   }

@@ -23,8 +23,6 @@
 enum { BDF, ADAMS };
 enum { AUTO, SPARSE, KRYLOV, FIXED_POINT };
 
-static const double very_short = 1e-3; /* of the planned step */
-
 typedef struct cvode {
   hk_sundials sundials; /* first member */
   int method, solver;
@@ -214,15 +212,6 @@ static int evolve(cvode *m, double stop) {
   return flag >= 0 ? CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP) : flag;
 }
 
-/* s, the longest that a step may be. After one that the host made shorter SUNDIALS may take more than it plans, so that
- * limit stays; but a piece between two cuts that is very short says nothing of later steps. */
-static double longest_step(cvode *m, double h) {
-  bool planned = m->planned < INFINITY, limited = planned && h < m->planned * (1 - 1e-12);
-  if (limited && h > very_short * m->planned) m->most = h;
-  if (limited || !planned) return m->most > 0 ? fmin(m->most, h) : h;
-  return m->most > 0 ? m->most : INFINITY;
-}
-
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   cvode *m = self;
   double stop = t_stop;
@@ -234,7 +223,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
     hk_status status = start(m, s, t_stop - s->t);
     if (status != HK_OK) return status;
   }
-  double limit = longest_step(m, h);
+  double limit = hk_sundials_longest(h, m->planned, &m->most);
   if (t_stop - s->t > limit * (1 + 1e-9)) stop = s->t + limit;
   m->running = false;
   int flag = evolve(m, stop);

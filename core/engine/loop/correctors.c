@@ -4,7 +4,6 @@
 #include "core/engine/loop/loop.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 bool hk_correctors_need_start(const hk_loop *loop) {
@@ -41,7 +40,7 @@ static void filter(const hk_correction *c, double *vector) { hk_pins_filter(c->p
 /* What the correctors did in a step, which counts only once none of them rejects it. */
 typedef struct account {
   bool moved, silent, touched; /* something was changed; what energy that took was not said; it was by contact */
-  double before;               /* J, the energy before a corrector was called; NAN: that of X_end */
+  double before;               /* J, the energy before a corrector that is not the first to move something */
   double work, contact;        /* J, by all, and by contact */
 } account;
 
@@ -50,14 +49,8 @@ static double energy_of(hk_loop *loop, const double *X) {
   return hk_state_kinetic(loop->state, X) + hk_query_potential(loop->dynamics, loop->state->t, X);
 }
 
-static hk_status keep_end(hk_loop *loop) {
-  size_t size = loop->state->size;
-  double *grown = size > loop->room_end ? realloc(loop->X_end, size * sizeof *grown) : loop->X_end;
-  if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state at the end of a step");
-  loop->X_end = grown;
-  if (size > loop->room_end) loop->room_end = size;
-  memcpy(grown, loop->state->X, size * sizeof *grown);
-  return HK_OK;
+static bool is_measured(const hk_loop *loop, const hk_corrector *functions) {
+  return functions->flags & HK_REPORTS_WORK && loop->method->order > 1;
 }
 
 /* A corrector knows the energy of its moves to the order of the step alone, so it is measured. Its own figure counts
@@ -66,10 +59,10 @@ static hk_status keep_end(hk_loop *loop) {
 static void note(account *a, hk_loop *loop, const hk_corrector *functions, const hk_correction *c) {
   hk_state *s = loop->state;
   bool reports = functions->flags & HK_REPORTS_WORK;
-  double work = 0;
-  if (reports && loop->method->order > 1)
+  double work = reports ? NAN : 0;
+  if (is_measured(loop, functions))
     work = energy_of(loop, s->X) - (a->moved ? a->before : energy_of(loop, loop->X_end));
-  if (reports && (loop->method->order < 2 || !isfinite(work))) work = c->work;
+  if (reports && !isfinite(work)) work = c->work;
   a->moved = true;
   a->silent |= !reports;
   a->touched |= functions->contacts != NULL;
@@ -115,13 +108,15 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   hk_state *s = loop->state;
   account done = {0};
   *rejected = false;
-  hk_status status = keep_end(loop);
+  if (!hk_state_copy(s, &loop->X_end, &loop->room_end, s->size))
+    return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state at the end of a step");
+  hk_status status = HK_OK;
   for (size_t k = 0; k < correctors->count && status == HK_OK; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
     if (loop->pins->has_slides) c.filter = filter, c.pins = loop->pins;
     if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
-    if (done.moved) done.before = energy_of(loop, s->X);
+    if (done.moved && is_measured(loop, functions)) done.before = energy_of(loop, s->X);
     status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
     if (c.reject && functions->flags & HK_MAY_REJECT) return reject(loop, correctors->item[k], c.part, rejected);

@@ -134,14 +134,10 @@ static hk_status equations(hk_loop *loop, hk_attempt *a) {
 static hk_status keep_before(hk_loop *loop, hk_attempt *a) {
   bool whole = loop->needs & (MOVES | IMPACTS) || hk_correctors_need_start(loop);
   size_t size = whole ? loop->state->size : 3 * loop->state->model.n + 1; /* 1: there may be no particles */
-  double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
-  if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
-  loop->X_before = grown;
-  if (size > loop->room_before) loop->room_before = size;
-  memcpy(grown, loop->state->X, size * sizeof *grown);
   if (whole) loop->record_before = *loop->record;
   (void)a;
-  return HK_OK;
+  if (hk_state_copy(loop->state, &loop->X_before, &loop->room_before, size)) return HK_OK;
+  return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
 }
 
 static hk_status contact_candidates(hk_loop *loop, hk_attempt *a) {

@@ -1,6 +1,6 @@
 /* Tiles, several steps at once (hk_tile_facet), where nobody needs the states between them: no corrector, source,
- * constraint, contact or moving pin does something at every step. Whether it is done, and in which
- * order forces are summed, follows from the scene, not from the number of threads or of steps. */
+ * constraint, contact or moving pin does something at every step. Whether it is done, and in which order forces are
+ * summed, follows from the scene, not from the number of threads or of steps. */
 #include "core/engine/contract/contract.h"
 #include "core/engine/loop/loop.h"
 

@@ -156,6 +156,15 @@ double hk_state_extent(const hk_state *s) {
   return extent > 0 ? extent : 1;
 }
 
+bool hk_state_copy(const hk_state *s, double **copy, size_t *room, size_t size) {
+  double *grown = size > *room ? realloc(*copy, size * sizeof *grown) : *copy;
+  if (!grown) return false;
+  *copy = grown;
+  if (size > *room) *room = size;
+  memcpy(grown, s->X, size * sizeof *grown);
+  return true;
+}
+
 double hk_state_kinetic(const hk_state *s, const double *X) {
   const double *v = X + 3 * s->model.n;
   double sum = 0;

@@ -82,6 +82,8 @@ bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: n
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
 /* J, of the particles that are not fixed or scripted */
 double hk_state_kinetic(const hk_state *, const double *X);
+/* The first `size` numbers of X into *copy, which has room for *room and grows. False: no memory. */
+bool hk_state_copy(const hk_state *, double **copy, size_t *room, size_t size);
 /* Refuses particles of mass 0 without a pin; to be called after hk_pins_open. */
 hk_status hk_state_check_masses(const hk_state *, hk_error *error);
 

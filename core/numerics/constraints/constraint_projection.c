@@ -332,12 +332,6 @@ static hk_status solve_for(hk_dynamics *d, const double *q) {
   return hk_constraint_matrix_solve(d);
 }
 
-void hk_constraints_forget(hk_dynamics *d) {
-  if (!d->constraints) return;
-  d->constraints->kept = false;
-  hk_releases_forget(d->constraints);
-}
-
 static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double h, double *x, double *v,
                        double *work) {
   const hk_system *s = &d->system;

@@ -157,7 +157,6 @@ hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, d
 
 hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
 void hk_releases_close(hk_releases *);
-void hk_releases_forget(hk_constraints *); /* of the steps so far */
 
 /* ---- release.c ---- */
 

@@ -16,7 +16,7 @@ hk_status hk_releases_open(hk_dynamics *d) {
   return fine ? HK_OK : hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
 }
 
-void hk_releases_forget(hk_constraints *c) {
+static void forget_releases(hk_constraints *c) {
   hk_releases *r = &c->releases;
   for (size_t k = 0; k < c->equations; k++) {
     r->acts[k] = r->freed[k] = false;
@@ -24,6 +24,12 @@ void hk_releases_forget(hk_constraints *c) {
   }
   r->equation = r->cuts = 0;
   r->begin = r->end = r->left = r->until = 0;
+}
+
+void hk_constraints_forget(hk_dynamics *d) {
+  if (!d->constraints) return;
+  d->constraints->kept = false;
+  forget_releases(d->constraints);
 }
 
 void hk_releases_close(hk_releases *r) {

@@ -161,6 +161,14 @@ static void rescale(hk_sundials *m, const double *X) {
     rescale_channel(&s->model->channel[c], s->n, X + (6 + s->model->channel[c].offset) * s->n, 1, m->channel + k);
 }
 
+double hk_sundials_longest(double h, double planned, double *most) {
+  static const double very_short = 1e-3; /* of the planned step */
+  bool known = planned < INFINITY, limited = known && h < planned * (1 - 1e-12);
+  if (limited && h > very_short * planned) *most = h;
+  if (limited || !known) return *most > 0 ? fmin(*most, h) : h;
+  return *most > 0 ? *most : INFINITY;
+}
+
 void hk_sundials_notice(hk_sundials *m, double h) {
   hk_system *s = m->system;
   size_t v = 3 * s->n;

@@ -50,6 +50,11 @@ bool hk_sundials_follows(hk_sundials *, hk_system *s, double tol);
  * next stop. */
 hk_status hk_sundials_scale(hk_sundials *, hk_system *s, double span);
 
+/* s, the longest that a step may be, where the host gives h and SUNDIALS plans `planned` (INFINITY: nothing yet). After
+ * one that the host made shorter SUNDIALS may take more than it plans, so that limit, *most, stays (0: there is none);
+ * but a piece between two cuts that is very short says nothing of later steps. */
+double hk_sundials_longest(double h, double planned, double *most);
+
 void hk_sundials_notice(hk_sundials *, double h); /* after a step of h from s->X to `state` */
 
 /* The return value of a callback: 0, or a code after which SUNDIALS tries a shorter step (not finite, not converged) or
