@@ -318,15 +318,17 @@ Description: the interface of hooke's plugins
 Version: $(version)
 Cflags: -I$${prefix}/include/hooke $(NUMBERS)
 endef
+# Several installations at once, as of tests, have a file each.
+install: make_id := $(shell echo $$PPID)
 install: build
 	install -D -t $(to)/bin $B/hooke
 	for f in $(patsubst $B/%,%,$(plugins) $(defaults) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
 	for f in core/plugin.h $(wildcard core/plugin/*.h core/plugin/facets/*.h plugins/kit/*.h plugins/kit/*/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	mkdir -p $(to)/lib/pkgconfig
-	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
+	$(file >$B/hooke.pc.$(make_id),$(pkg_config)) install -m 644 $B/hooke.pc.$(make_id) $(to)/lib/pkgconfig/hooke.pc && rm $B/hooke.pc.$(make_id)
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
-	tools/manual $B/hooke >$B/hooke.1 && install -D -m 644 $B/hooke.1 $(to)/share/man/man1/hooke.1
+	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)
 	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
 
 deb:
