@@ -237,6 +237,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   m->running = true;
   hk_sundials_notice(&m->sundials, taken);
   ARK(GetCurrentStep)(m->memory, &m->planned);
+  m->planned = hk_sundials_next(m->planned, taken, stop - s->t - taken, m->most);
   memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
   *out = (hk_step){taken, m->fixed > 0 ? m->fixed : m->planned, error_of(m)};
   return HK_OK;

@@ -240,6 +240,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   m->running = true;
   hk_sundials_notice(&m->sundials, taken);
   CVodeGetCurrentStep(m->memory, &m->planned);
+  m->planned = hk_sundials_next(m->planned, taken, stop - s->t - taken, m->most);
   memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
   *out = (hk_step){taken, m->planned, error_of(m)};
   return HK_OK;

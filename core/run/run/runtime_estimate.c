@@ -25,6 +25,8 @@ static const double implicit_steps_per_frame = 2; /* as step_choice.c chooses th
  */
 static const double part_of_run = 0.1, trial = 0.1 /* s */, evaluations_of_implicit = 30;
 enum { IMPLICIT_TRIAL = 3, EXPLICIT_TRIAL = 10000 /* at most */ };
+/* Of an adaptive method, whose first steps are much shorter than those that follow. */
+enum { ADAPTIVE_TRIAL = 50 };
 
 static bool is_implicit(const hk_integrator *m) {
   return m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN);
@@ -40,7 +42,8 @@ static bool suits(const hk_plugin *plugin, const void *context) {
          !(m->flags & (HK_ADAPTIVE | HK_SYMPLECTIC | HK_REVERSIBLE | HK_SPLITS_FORCES));
 }
 
-/* s a step, of another run of the scene; NAN: it took none. `next`: s, the length of its next step. */
+/* s a step, of another run of the scene; NAN: it took none. `next`: s, the length of those to come, that
+ * of the next one or the mean: an adaptive method's next one may end at a cut. */
 static double time_steps(const hk_scene_loader *loader, const hk_run_options *first, const char *integrator, double dt,
                          size_t steps, double *next) {
   hk_run *again = NULL;
@@ -56,7 +59,7 @@ static double time_steps(const hk_scene_loader *loader, const hk_run_options *fi
   if (status == HK_OK) status = hk_run_advance(again, hk_run_end(again), &why);
   if ((status == HK_OK || status == HK_INTERRUPTED) && again->record.steps > 0)
     found = again->loop.seconds / (double)again->record.steps;
-  if (isfinite(found)) *next = again->step->length.dt;
+  if (isfinite(found)) *next = fmax(again->step->length.dt, again->state.t / (double)again->record.steps);
   if (again) hk_run_close(again, NULL);
   loader->close(loader->context, again);
   return found;
@@ -128,9 +131,10 @@ static void estimate_long(const hk_scene_loader *loader, const hk_run_options *f
   bool implicit = is_implicit(whole->loop.method);
   double steps = steps_to_come(whole, whole->step->length.dt),
          least = evaluation * (implicit ? evaluations_of_implicit : 1);
-  double cost = opening + (implicit ? IMPLICIT_TRIAL * least : trial);
+  double few = whole->loop.method->flags & HK_ADAPTIVE ? ADAPTIVE_TRIAL : IMPLICIT_TRIAL;
+  double cost = opening + (implicit ? few * least : trial);
   if (!(part_of_run * steps * least > cost)) return;
-  double tried = implicit ? IMPLICIT_TRIAL : fmin(fmax(trial / least, 1), EXPLICIT_TRIAL);
+  double tried = implicit ? few : fmin(fmax(trial / least, 1), EXPLICIT_TRIAL);
   double each = time_steps(loader, first, first->integrator, first->dt, (size_t)tried, &next);
   if (isfinite(each)) hk_progress_expect(&whole->progress, each, steps_to_come(whole, next));
 }

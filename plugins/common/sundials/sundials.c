@@ -166,7 +166,14 @@ double hk_sundials_longest(double h, double planned, double *most) {
   bool known = planned < INFINITY, limited = known && h < planned * (1 - 1e-12);
   if (limited && h > very_short * planned) *most = h;
   if (limited || !known) return *most > 0 ? fmin(*most, h) : h;
+  if (*most > 0) *most = fmax(*most, h); /* what the host offers it allows */
   return *most > 0 ? *most : INFINITY;
+}
+
+double hk_sundials_next(double said, double taken, double left, double most) {
+  static const double growth = 10; /* at most, from a step to the next, in CVODE and ARKODE */
+  bool cut = said >= left * (1 - 1e-3);
+  return cut && most > 0 ? fmax(said, growth * taken) : said;
 }
 
 void hk_sundials_notice(hk_sundials *m, double h) {

@@ -12,6 +12,7 @@ local check_costs = 3.5     -- a run and its comparisons with others, in runs
 local start_seconds = 0.2   -- of a process
 local most_trials = 10
 local aim = 0.7             -- of the accuracy: what more work is to come to, and half of it after each failure
+local untried = 0.1         -- the same, where no trial is left that could show it
 local unknown = 2           -- times the work, where a run says only that it is wrong
 
 local function expected(s, o) return start_seconds + check_costs * s.wall * o.times end
@@ -24,11 +25,10 @@ local function cheapest(list)
   return best and table.remove(list, best)
 end
 
--- The same method with the work that its order asks for; nil: there is no more.
-local function refined(s, error, o)
+-- The same method with the work that its order asks for an error of `goal`; nil: there is no more.
+local function refined(s, error, goal, o)
   local slope = s.setting.tol and 1 or math.max(s.method.order, 1)
   local too_large = error and error > o.accuracy and error < math.huge
-  local goal = aim * 0.5 ^ (s.failures or 0) * o.accuracy
   local more = too_large and math.log(error / goal) / slope or math.log(unknown)
   local setting = methods.at_work(s.method, methods.work(s.setting) + more, o.fps)
   more = methods.work(setting) - methods.work(s.setting)
@@ -56,13 +56,14 @@ function trial.first_ok(candidates, o)
     count, left = count + 1, left - result.processor_s
     if result.verdict == "ok" then return s, count end
     local error = result.error_estimate
-    local next_one = result.verdict ~= "timeout" and result.fits ~= false and refined(s, error, o)
+    local goal = aim * 0.5 ^ (s.failures or 0) * o.accuracy
+    local next_one = result.verdict ~= "timeout" and result.fits ~= false and refined(s, error, goal, o)
     if next_one then
       list[#list + 1] = next_one
-      if error and (not nearest or error < nearest.was) then nearest, next_one.was = next_one, error end
+      if error and (not nearest or error < nearest.error) then nearest = { candidate = s, error = error } end
     end
   end
-  return nil, count, nearest
+  return nil, count, nearest and refined(nearest.candidate, nearest.error, untried * o.accuracy, o)
 end
 
 return trial

@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -57,6 +58,30 @@ static void a_jump_that_two_runs_miss_alike_is_seen(void **state) {
   assert_int_equal(r.code, 5);
   double error = test_json(r.out, "error_estimate");
   assert_true(error > 0.028 && error < 0.06); /* the error, and twice that */
+}
+
+/* A pulse's end is a cut of the run, and so is the place where it was found, 1e-12 s before: a step between them says
+ * nothing of those that follow, which would be 1e11 times as many as needed. */
+static void a_step_between_two_near_cuts_does_not_stay(void **state) {
+  static const char *const methods[] = {"cvode", "cvode:method=adams", "arkode"};
+  (void)state;
+  if (access(HK_BUILD "/plugins/integrators/cvode.so", R_OK) != 0) skip();
+  test_write("late.lua", "local scene = hooke.scene { duration = 2, fps = 50, accuracy = 1e-4 }\n"
+                         "scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+                         "scene:particle { position = { 0, 0, -1 }, mass = 0.5 }\n"
+                         "scene:pin { 1 }\n"
+                         "scene:force('springs', { edges = { { 1, 2 } }, k = 200, rest = 1 })\n"
+                         "scene:force('gravity', { g = function(t)\n"
+                         "  return { t > 1.6 and t < 1.63 and 200 or 0, 0, -9.81 } end })\nreturn scene\n");
+  for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
+    char command[256];
+    snprintf(command, sizeof command, "run late.lua --integrator %s --tol 1e-8 --json --no-output", methods[k]);
+    test_hooke(&r, NULL, command);
+    print_message("%s: estimate %g m\n", methods[k], test_json(r.out, "error_estimate"));
+    assert_int_equal(r.code, 0);
+    assert_true(test_json(r.out, "error_estimate") < 1e-4);
+    assert_null(strstr(r.err, "will take about")); /* a second trial that came to the end forecasts no hours */
+  }
 }
 
 /* A mass slides on a plane against Coulomb's friction and a spring: each half swing is one of cosine about mu g/k, and
@@ -160,6 +185,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_small_scene_is_compared_unless_that_is_switched_off),
       cmocka_unit_test(a_jump_that_two_runs_miss_alike_is_seen),
+      cmocka_unit_test(a_step_between_two_near_cuts_does_not_stay),
       cmocka_unit_test(the_order_of_the_beginning_is_not_that_of_impacts),
       cmocka_unit_test(work_of_damping_that_is_overcounted_is_no_fault),
       cmocka_unit_test(a_reference_dearer_than_the_run_is_not_taken),
