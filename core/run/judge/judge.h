@@ -310,6 +310,12 @@ typedef struct hk_evidence {
   double missed;         /* m, RMS at the end: what was missed of forces of short range */
 } hk_evidence;
 
+/* A step or a tolerance with which a run may be ok; 0: not that, or none is known. */
+typedef struct hk_remedy {
+  double dt, tol;
+  bool tried, ok; /* a run with it was judged, and is ok */
+} hk_remedy;
+
 /* What other runs of the scene showed (run/verify.c). */
 typedef struct hk_comparisons {
   bool tried;     /* the error is judged by them */
@@ -326,6 +332,7 @@ typedef struct hk_comparisons {
   double wall_s;     /* s, time of all of these runs; NAN: none */
   char how[160];
   hk_sampling sampling; /* of functions of time */
+  hk_remedy remedy;     /* the last one that was tried */
 } hk_comparisons;
 
 bool hk_confirmed(const hk_comparisons *); /* an independent method agrees with the run */
@@ -380,6 +387,8 @@ void hk_findings_describe(const hk_loop *, const hk_judgement *, hk_summary *); 
 void hk_checked_describe(const hk_loop *, const hk_judgement *, hk_summary *);  /* s->checked, of a run that is ok */
 /* s->remedy, where the run is inaccurate for want of a shorter step or a smaller tolerance. */
 void hk_remedy_describe(hk_loop *, const hk_judgement *, hk_summary *);
+/* The step or tolerance that the order asks for. */
+hk_remedy hk_remedy_propose(const hk_loop *, const hk_judgement *, const hk_summary *);
 /* The smallest tolerance to which the errors of an adaptive method's runs fall (facet adaptive). */
 double hk_finest_tolerance(const hk_integrator *method);
 /* stiffest.c: the label of the force that swings fastest at the present state, and 1/s; NULL: none swings. */

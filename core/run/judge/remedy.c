@@ -1,6 +1,6 @@
 /* Which step or tolerance would do where a run is inaccurate, or which method may: by the order of the method, from how
  * far each figure is above what it may be. It aims at half of that. What is far off is not extrapolated: the error does
- * not follow its order there. */
+ * not follow its order there. Where another run has tried it (run/verify.c), what that showed is said. */
 #include "core/engine/contract/contract.h"
 #include "core/engine/text/text.h"
 #include "core/numerics/step_choice/step_choice.h"
@@ -58,16 +58,26 @@ static void describe_order(const hk_loop *loop, const hk_judgement *j, double or
              j->comparisons.order > 0 ? "and half the step shows it" : "not tried");
 }
 
-static void describe_step(const hk_loop *loop, const hk_judgement *j, const need *n, hk_summary *s) {
-  char order[160];
+/* 0: too far off to tell. */
+static double wanted_step(const hk_loop *loop, const need *n, const hk_summary *s) {
   const hk_step_choice *c = hk_step_choice_of(loop);
   double dt = s->dt_max * n->shorten;
   if (c->dt_limit > 0) dt = fmin(dt, of_limit * c->dt_limit); /* NAN and 0: not known, none */
-  if (dt < farthest * s->dt_max) {
+  return dt < farthest * s->dt_max ? 0 : rounded(dt);
+}
+
+static void describe_step(const hk_loop *loop, const hk_judgement *j, const need *n, hk_summary *s) {
+  char order[160];
+  double dt = wanted_step(loop, n, s);
+  if (dt == 0) {
     add(s, "try --dt %.1g: the error is too large to tell which step would do", rounded(far_enough * s->dt_max));
     return;
   }
-  dt = rounded(dt);
+  if (s->contact_frames > 0) {
+    add(s, "try --dt %.1g (%.2g steps, not tried): errors of surfaces in contact follow no order", dt,
+        ceil(s->end / dt));
+    return;
+  }
   describe_order(loop, j, n->order, order, sizeof order);
   add(s, "--dt %.1g (%.2g steps) would do if %s", dt, ceil(s->end / dt), order);
 }
@@ -100,9 +110,14 @@ static void describe_method(const hk_loop *loop, const hk_judgement *j, hk_summa
 }
 
 /* What a step may be off by is the tolerance, and h^(p + 1); their sum goes with h^p. */
+static double wanted_tolerance(const hk_loop *loop, const need *n) {
+  double power = 1 + 1.0 / loop->method->order;
+  return loop->dynamics->system.tol * pow(aim_of_tolerance / n->excess, power);
+}
+
 static void describe_tolerance(const hk_loop *loop, const hk_judgement *j, const need *n, hk_summary *s) {
-  double tol = loop->dynamics->system.tol, power = 1 + 1.0 / loop->method->order;
-  double wanted = tol * pow(aim_of_tolerance / n->excess, power), finest = hk_finest_tolerance(loop->method);
+  double tol = loop->dynamics->system.tol, wanted = wanted_tolerance(loop, n),
+         finest = hk_finest_tolerance(loop->method);
   if (wanted < finest && !(finest < aim_of_tolerance * tol))
     describe_method(loop, j, s);
   else if (wanted < finest)
@@ -112,13 +127,35 @@ static void describe_tolerance(const hk_loop *loop, const hk_judgement *j, const
     add(s, "--tol %.1g would do, if the error follows the tolerance, which is %.1g", rounded(wanted), tol);
 }
 
+hk_remedy hk_remedy_propose(const hk_loop *loop, const hk_judgement *j, const hk_summary *s) {
+  const need n = worst_of(&j->opinion);
+  hk_remedy r = {0};
+  if (!(n.excess > 1) || s->steps == 0) return r;
+  bool adaptive = loop->method->flags & HK_ADAPTIVE;
+  double wanted = adaptive ? wanted_tolerance(loop, &n) : wanted_step(loop, &n, s);
+  if (!adaptive)
+    r.dt = wanted;
+  else if (!(wanted < hk_finest_tolerance(loop->method)))
+    r.tol = rounded(wanted);
+  return r;
+}
+
+/* False: none was tried. */
+static bool describe_trial(const hk_remedy *r, hk_summary *s) {
+  const char *found = r->ok ? "would do: a run with it is ok" : "was tried, and is not enough";
+  if (r->tried && r->dt > 0) add(s, "--dt %.1g (%.2g steps) %s", r->dt, ceil(s->end / r->dt), found);
+  if (r->tried && r->tol > 0) add(s, "--tol %.1g %s", r->tol, found);
+  return r->tried;
+}
+
 void hk_remedy_describe(hk_loop *loop, const hk_judgement *j, hk_summary *s) {
   double w;
   const need n = worst_of(&j->opinion);
   if (!(n.excess > 1) || s->steps == 0) return;
-  if (loop->method->flags & HK_ADAPTIVE)
+  bool tried = describe_trial(&j->comparisons.remedy, s);
+  if (!tried && loop->method->flags & HK_ADAPTIVE)
     describe_tolerance(loop, j, &n, s);
-  else
+  else if (!tried)
     describe_step(loop, j, &n, s);
   const char *label = hk_stiffest_force(loop, &w);
   if (label) add(s, "the fastest swings, of %.2g s, are those of '%s'", 2 * acos(-1) / w, label);

@@ -248,4 +248,10 @@ void hk_runtime_estimate(const hk_scene_loader *, const hk_run_options *first, h
 hk_status hk_verify(const hk_scene_loader *, const hk_run_options *first, bool half, hk_run *whole, hk_summary *summary,
                     hk_error *error);
 
+/* After hk_verify has called `whole` inaccurate: runs the scene with the step or the tolerance that would do, and
+ * judges that run as it would be (up to three of them, each with what the one before asks for). They cost no more than
+ * the run and its comparisons did; where surfaces are in contact, whose errors follow no order, eight times as much, up
+ * to 100 s. What was found is in the judgement of `whole`. */
+void hk_remedy_try(const hk_scene_loader *, const hk_run_options *first, hk_run *whole, hk_summary *);
+
 #endif

@@ -161,3 +161,75 @@ hk_status hk_verify(const hk_scene_loader *loader, const hk_run_options *first, 
   hk_comparison_close(&c);
   return status;
 }
+
+/* ---- remedies: the scene is run with what an inaccurate run is told to take, and judged as that run would be ---- */
+
+enum { MOST_TRIALS = 3 };
+static const double least = 0.2 /* s, that trials may take in any case */, most = 100 /* s, at most */, in_contact = 8;
+static const double compared = 3.5, alone = 1.2; /* runs: what a run costs with its comparisons */
+static const double worth_a_word = 2;            /* s */
+
+/* s, that a run with this step or tolerance may take, with its comparisons. */
+static double expected(const hk_run *run, const hk_summary *s, const hk_remedy *r) {
+  double tol = run->dynamics.system.tol, steps = 1;
+  if (r->dt > 0) steps = s->dt_max / r->dt;
+  if (r->tol > 0) steps = pow(tol / r->tol, 1 / (1.0 + run->loop.method->order));
+  return run->loop.seconds * fmax(steps, 1) * (s->accuracies > 0 ? compared : alone);
+}
+
+static double affordable(const hk_run *whole, const hk_summary *s) {
+  double checks = whole->judgement.comparisons.wall_s;
+  double spent = whole->loop.seconds + (checks > 0 ? checks : 0);
+  if (s->contact_frames > 0) return fmin(fmax(in_contact * spent, least), most);
+  return s->accuracies > 0 ? fmin(fmax(spent, least), most) : 0;
+}
+
+/* HK_OK: it came to its end, and *r says whether it is ok, *next what it is told itself, *cost (s) what that would
+ * take. */
+static hk_status try_one(const hk_scene_loader *loader, const hk_run_options *first, hk_remedy *r, hk_remedy *next,
+                         double *cost) {
+  hk_run *again = NULL;
+  hk_summary s;
+  hk_error why = {0};
+  hk_run_options o = hk_comparison_run_options(first, 0);
+  o.perturb = 0;
+  o.compare = first->compare;
+  o.resume = NULL;
+  if (r->dt > 0) o.dt = r->dt;
+  if (r->tol > 0) o.tol = r->tol;
+  hk_status status = loader->open(loader->context, &o, &again, &why);
+  if (status == HK_OK) status = hk_run_advance(again, hk_run_end(again), &why);
+  if (status == HK_OK) hk_run_summary(again, &s);
+  if (status == HK_OK) status = hk_verify(loader, &o, false, again, &s, &why);
+  if (status == HK_OK) {
+    *next = hk_remedy_propose(&again->loop, &again->judgement, &s);
+    *cost = expected(again, &s, next);
+    r->tried = true;
+    r->ok = s.verdict == HK_VERDICT_OK;
+  }
+  if (again) hk_run_close(again, NULL);
+  loader->close(loader->context, again);
+  return status;
+}
+
+static bool is_known(const hk_remedy *r) { return r->dt > 0 || r->tol > 0; }
+
+static void announce(const hk_run *whole, const hk_remedy *r, double cost) {
+  if (!(whole->options.progress > 0 && cost > worth_a_word)) return;
+  fprintf(stderr, "hooke: the run is inaccurate: trying %s %.1g, which takes some %.0f s\n",
+          r->dt > 0 ? "--dt" : "--tol", r->dt > 0 ? r->dt : r->tol, cost);
+}
+
+void hk_remedy_try(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole, hk_summary *s) {
+  double left = affordable(whole, s), begin = hk_clock();
+  hk_remedy now = hk_remedy_propose(&whole->loop, &whole->judgement, s), next;
+  double cost = expected(whole, s, &now);
+  for (int tries = 0; tries < MOST_TRIALS && is_known(&now) && cost < left - (hk_clock() - begin); tries++) {
+    announce(whole, &now, cost);
+    if (try_one(loader, first, &now, &next, &cost) != HK_OK) break;
+    whole->judgement.comparisons.remedy = now;
+    if (now.ok) break;
+    now = next;
+  }
+  hk_run_summary(whole, s);
+}

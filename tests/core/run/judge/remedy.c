@@ -81,9 +81,9 @@ static void a_tolerance_that_a_run_has_is_no_remedy(void **state) {
   assert_non_null(strstr(r.out, "\"remedy\":\"try --tol 1e-13, the smallest that dopri5 makes use of"));
 }
 
-/* A chain of bars falls onto a plane: impacts leave order 1, whatever the method's is. Where half the step is nearer to
- * a reference, the order is seen. */
-static void the_order_on_which_it_rests_is_said(void **state) {
+/* A chain of bars falls onto a plane: impacts leave order 1, whatever the method's is, and a run shows whether the step
+ * would do. What would take many times as long as the run is not tried, and the order is said on which it rests. */
+static void what_it_rests_on_is_said(void **state) {
   (void)state;
   test_write("bars.lua", "local scene = hooke.scene { duration = 1, fps = 30, dt = 1 / 300, integrator = 'leapfrog' }\n"
                          "local edges = {}\n"
@@ -94,9 +94,29 @@ static void the_order_on_which_it_rests_is_said(void **state) {
                          "scene:corrector('obstacle', { friction = 0.3, restitution = 0.3 })\nreturn scene\n");
   test_hooke(&r, NULL, "run bars.lua --json --quiet --no-output --accuracy 1e-5");
   assert_int_equal(r.code, 5);
-  if (!strstr(r.out, "to the power 1, as impacts leave it (not tried)")) fail_msg("%s", r.out);
-  run("--integrator leapfrog --dt 0.02 --accuracy 1e-3");
+  if (!strstr(r.out, "would do: a run with it is ok") && !strstr(r.out, "was tried, and is not enough"))
+    fail_msg("%s", r.out);
+  run("--integrator euler --dt 1e-4 --accuracy 3e-5");
   if (!strstr(r.out, "as half the step shows") && !strstr(r.out, "and half the step shows it")) fail_msg("%s", r.out);
+  run("--integrator euler --dt 1e-3 --trust");
+  if (!strstr(r.out, "(not tried)")) fail_msg("%s", r.out);
+}
+
+/* A pulse of 30 ms whose edges steps of any length pass by: the order of the method says nothing, and a run with the
+ * step that it asks for says so. */
+static void a_step_that_would_not_do_is_not_offered(void **state) {
+  (void)state;
+  test_write("late.lua", "local scene = hooke.scene { duration = 2, fps = 50 }\n"
+                         "scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+                         "scene:particle { position = { 0, 0, -1 }, mass = 0.5 }\n"
+                         "scene:pin { 1 }\n"
+                         "scene:force('springs', { edges = { { 1, 2 } }, k = 200, rest = 1 })\n"
+                         "scene:force('gravity', { g = function(t)\n"
+                         "  return { t > 1.6 and t < 1.63 and 200 or 0, 0, -9.81 } end })\nreturn scene\n");
+  test_hooke(&r, NULL, "run late.lua --integrator leapfrog --dt 0.02 --accuracy 1e-3 --json --quiet --no-output");
+  assert_int_equal(r.code, 5);
+  assert_non_null(strstr(r.out, "was tried, and is not enough"));
+  assert_null(strstr(r.out, "would do"));
 }
 
 static void a_run_that_is_ok_has_none(void **state) {
@@ -111,7 +131,8 @@ int main(void) {
       cmocka_unit_test(what_it_says_would_do_does),
       cmocka_unit_test(what_is_far_off_is_not_extrapolated),
       cmocka_unit_test(a_tolerance_that_a_run_has_is_no_remedy),
-      cmocka_unit_test(the_order_on_which_it_rests_is_said),
+      cmocka_unit_test(what_it_rests_on_is_said),
+      cmocka_unit_test(a_step_that_would_not_do_is_not_offered),
       cmocka_unit_test(a_run_that_is_ok_has_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
