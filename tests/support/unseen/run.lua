@@ -46,12 +46,6 @@ local function shell(folder, o, arguments)
   return rows(files.read(folder .. "/out/measures.csv") or ""), files.read(folder .. "/json") or "", files.read(folder .. "/err") or ""
 end
 
--- A choice with a budget of its own, which the run finds on file.
-local function choose(folder, o)
-  os.execute(("cd %s && XDG_CACHE_HOME=%s %s auto scene.lua --accuracy 1e-4 --budget %g --quiet 2>err"):format(
-    files.quoted(folder), files.quoted(folder .. "/cache"), files.quoted(o.hooke), o.budget))
-end
-
 local function truth(folder, o, n)
   local motions, best = {}, { off = math.huge }
   for k, arguments in ipairs(exact_runs) do
@@ -65,19 +59,18 @@ local function truth(folder, o, n)
   return best
 end
 
--- o: hooke, folder, only (a name or nil), budget (s of the processor for a choice; nil: that of `run`). Returns the number
--- of scenes within the accuracy, and of all.
+-- o: hooke, folder, only (a name or nil), slow (choices have a budget of time, in which all takes ten times as long: a run
+-- that says that it did not reach the accuracy is fine). Returns the number of scenes that are fine, and of all.
 function unseen.measure(o)
   local good, count = 0, 0
   for _, scene in ipairs(require("unseen.scenes")) do
     if not o.only or o.only == scene[1] then
       files.write(o.folder .. "/scene.lua", script(scene))
       local exact = truth(o.folder, o, scene.n)
-      if o.budget then choose(o.folder, o) end
       local motion, json, words = shell(o.folder, o, "--integrator auto")
       local error = exact.motion and distance(motion, exact.motion, scene.n) or math.huge
       local verdict = json:match('"verdict":"(%a+)"') or "none"
-      local fine = verdict == "ok" and error <= 1e-4
+      local fine = verdict == "ok" and error <= 1e-4 or o.slow and verdict == "inaccurate"
       good, count = good + (fine and 1 or 0), count + 1
       print(("%-4s %-18s error %.2g m (known to %.1g), %s; %s"):format(fine and "" or "OFF", scene[1], error, exact.off, verdict,
         words:match("hooke: auto: ([^\n]*)") or words))
