@@ -58,6 +58,8 @@ static const int64_t hk_lane_bits[16][4] = {
 #define HK_SQUARE_ROOT_double_8(a) ((VECTOR)_mm512_sqrt_pd((__m512d)(a)))
 #define HK_ROOT_ESTIMATE_double_4(a) ((VECTOR)_mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps((__m256d)(a)))))
 #define HK_ROOT_ESTIMATE_double_8(a) ((VECTOR)_mm512_rsqrt14_pd((__m512d)(a)))
+#define HK_ROOT_ESTIMATE_float_4(a) ((VECTOR)_mm256_rsqrt_ps((__m256)(a)))
+#define HK_ROOT_ESTIMATE_float_8(a) ((VECTOR)_mm512_rsqrt14_ps((__m512)(a)))
 #define HK_HALVES_double_4(a, b) ((VECTOR)_mm256_blend_pd((__m256d)(a), (__m256d)(b), 12))
 #define HK_CHOOSE_double_4(p, a, b) ((VECTOR)_mm256_blendv_pd((__m256d)(b), (__m256d)(a), (__m256d)(p)))
 #define HK_LOGIC_double_8 __mmask8

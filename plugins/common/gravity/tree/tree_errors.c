@@ -1,5 +1,5 @@
 /* Four bodies of every so manieth group: the tree's sums are those of hk_tree_pull, which forces use. */
-#include "plugins/common/gravity/tree_errors.h"
+#include "plugins/common/gravity/tree/tree_errors.h"
 
 #include <stdlib.h>
 
