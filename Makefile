@@ -199,7 +199,8 @@ fuzz:
 bench:
 	@$(WITH_CC) tools/install-deps bench
 	$(again) build $(fixtures) $(benches)
-	@passed=0 failed=0; for b in $(benches); do echo "== $$b"; $(if $(SHORT),timeout -k 5 2 $$b >$B/bench.log 2>&1 || [ $$? = 124 ] || \
+	@lua=$$(command -v lua5.4 || command -v lua54 || command -v lua); $$lua tests/bench/machine.lua; \
+	passed=0 failed=0; for b in $(benches); do echo "== $$b"; $$lua tests/bench/machine.lua $${b##*/}; $(if $(SHORT),timeout -k 5 2 $$b >$B/bench.log 2>&1 || [ $$? = 124 ] || \
 	  { cat $B/bench.log; false; },$$b) && passed=$$((passed + 1)) || { echo "failed: $$b"; failed=$$((failed + 1)); }; done; \
 	echo "$$passed passed, $$failed failed, 0 skipped"; [ $$failed = 0 ]
 
