@@ -3,7 +3,8 @@
  *   FMA_ONE(a, b, c)  the same of numbers
  *   ROOT(a)           square root, correctly rounded
  *   ROOT_ESTIMATE(a)  1/root with a relative error of 1.5 2^-12 for WIDTH 4 and of 2^-14 for 8; it differs between
- *                     makes of processors. With 4, doubles beyond the range of floats give 0, infinity or NaN
+ *                     makes of processors. With 4, doubles beyond the range of floats give 0, infinity or NaN. Not with
+ *                     WIDTH 2; of floats as of doubles
  *   LOGIC             the type of what is true in some lanes: LANES_SET(bits), where a bit is set, the lowest first;
  *                     EXCEEDS(a, b), where a > b; BOTH(p, q)
  *   HALVES(a, b)      the lower half of a and the upper one of b
