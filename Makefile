@@ -76,10 +76,10 @@ GMP_LIBS     := $(call libs,$(call exists,gmp))
 PICTURES     := $(and $(GL),$(PNG),$(subst egl,egl $(call exists,opengl gl),$(GL)) $(PNG))
 ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
-PICTURES_LIBS   := $(call libs,$(PICTURES))
+PICTURES_LIBS   := $(call libs,$(PICTURES) zlib)
 else # then what is written on OpenGL or libpng cannot be compiled
 LEFT_OUT := plugins/outputs/frames.c tests/bench/pictures.c $(shell for f in $$(find plugins/common -name '*.c'); do \
-              $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
+              $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|(png|zlib)[.]h' && echo $$f; done)
 endif
 # SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
 SUNDIALS := $(firstword $(wildcard $(addsuffix /sundials/sundials_config.h,$(SYSROOT)/usr/include $(SYSROOT)/usr/local/include)))
@@ -199,7 +199,8 @@ fuzz:
 bench:
 	@$(WITH_CC) tools/install-deps bench
 	$(again) build $(fixtures) $(benches)
-	@passed=0 failed=0; for b in $(benches); do echo "== $$b"; $(if $(SHORT),timeout -k 5 2 $$b >$B/bench.log 2>&1 || [ $$? = 124 ] || \
+	@lua=$$(command -v lua5.4 || command -v lua54 || command -v lua); $$lua tests/bench/machine.lua; \
+	passed=0 failed=0; for b in $(benches); do echo "== $$b"; $$lua tests/bench/machine.lua $${b##*/}; $(if $(SHORT),timeout -k 5 2 $$b >$B/bench.log 2>&1 || [ $$? = 124 ] || \
 	  { cat $B/bench.log; false; },$$b) && passed=$$((passed + 1)) || { echo "failed: $$b"; failed=$$((failed + 1)); }; done; \
 	echo "$$passed passed, $$failed failed, 0 skipped"; [ $$failed = 0 ]
 

@@ -304,6 +304,22 @@ local function asks_the_processor(path, text)
   return findings
 end
 
+-- Functions of glibc that have other bits on arm64 than on x86-64, where those that `instead` has have the same.
+local instead = { cbrt = "pow", hypot = "sqrt", exp2 = "ldexp or pow", erf = "a series", erfc = "a series", tgamma = "a series",
+  lgamma = "a series" }
+
+local function has_other_bits(path, text)
+  local findings = {}
+  if not path:find("^core/") and not path:find("^plugins/") then return findings end
+  for name in source_graph.split(text):gmatch("%f[%w_]([%l%d]+)%(") do
+    if instead[name] then
+      findings[#findings + 1] = ("bits: %s calls %s, which differs between kinds of processors: take %s"):format(path, name,
+        instead[name])
+    end
+  end
+  return findings
+end
+
 -- ---- the checks find what is planted ----
 
 local function check_the_checks()
@@ -348,6 +364,7 @@ local function check_the_checks()
   assert(#retired("core/app/x/y.h", "void hk_watch_look(hk_watch_look *, int HK_LOOK_COST);") == 2)
   assert(#asks_the_processor("plugins/common/x/y.c", "#include <immintrin.h>\nif (__builtin_" .. "cpu_supports()") == 2)
   assert(#asks_the_processor("plugins/common/x/y.c", '#include "core/plugin/vector_math.h"') == 0)
+  assert(#has_other_bits("plugins/common/x/y.c", "double r = hypot(a, b) + cbrt(c); /* erf(x) */ my_cbrt(c);") == 2)
 
   local text = '/* leapfrog */ int x = 1; // a\nf("rk4 /* pcg */"); int hk_pcg_size; /* "umfpack" */ int leapfrogs, a/b;\n'
   local code, comment = source_graph.split(text)
@@ -450,7 +467,10 @@ add(seeing_much(h.includes, most_headers_seen))
 for _, path in ipairs(h.paths) do
   if path:find("^core/") then add(named(path, h.text[path], h.plugins)) end
   add(retired(path, h.text[path]))
-  if path:find("%.[ch]$") and h.text[path] then add(asks_the_processor(path, h.text[path])) end
+  if path:find("%.[ch]$") and h.text[path] then
+    add(asks_the_processor(path, h.text[path]))
+    add(has_other_bits(path, h.text[path]))
+  end
 end
 local loop = linked("core/engine/loop/time_loop.c", h.symbols)
 local lines = lines_of(loop, h.text)

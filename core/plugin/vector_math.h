@@ -3,7 +3,8 @@
  *   FMA_ONE(a, b, c)  the same of numbers
  *   ROOT(a)           square root, correctly rounded
  *   ROOT_ESTIMATE(a)  1/root with a relative error of 1.5 2^-12 for WIDTH 4 and of 2^-14 for 8; it differs between
- *                     makes of processors. With 4, doubles beyond the range of floats give 0, infinity or NaN
+ *                     makes of processors. With 4, doubles beyond the range of floats give 0, infinity or NaN. Not with
+ *                     WIDTH 2; of floats as of doubles
  *   LOGIC             the type of what is true in some lanes: LANES_SET(bits), where a bit is set, the lowest first;
  *                     EXCEEDS(a, b), where a > b; BOTH(p, q)
  *   HALVES(a, b)      the lower half of a and the upper one of b
@@ -58,6 +59,8 @@ static const int64_t hk_lane_bits[16][4] = {
 #define HK_SQUARE_ROOT_double_8(a) ((VECTOR)_mm512_sqrt_pd((__m512d)(a)))
 #define HK_ROOT_ESTIMATE_double_4(a) ((VECTOR)_mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps((__m256d)(a)))))
 #define HK_ROOT_ESTIMATE_double_8(a) ((VECTOR)_mm512_rsqrt14_pd((__m512d)(a)))
+#define HK_ROOT_ESTIMATE_float_4(a) ((VECTOR)_mm256_rsqrt_ps((__m256)(a)))
+#define HK_ROOT_ESTIMATE_float_8(a) ((VECTOR)_mm512_rsqrt14_ps((__m512)(a)))
 #define HK_HALVES_double_4(a, b) ((VECTOR)_mm256_blend_pd((__m256d)(a), (__m256d)(b), 12))
 #define HK_CHOOSE_double_4(p, a, b) ((VECTOR)_mm256_blendv_pd((__m256d)(b), (__m256d)(a), (__m256d)(p)))
 #define HK_LOGIC_double_8 __mmask8

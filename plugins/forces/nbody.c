@@ -4,7 +4,7 @@
 #include "plugins/common/gravity/direct_sum.h"
 #include "plugins/common/gravity/flybys.h"
 #include "plugins/common/gravity/pair_blocks.h"
-#include "plugins/common/gravity/tree_errors.h"
+#include "plugins/common/gravity/tree/tree_errors.h"
 
 #include <string.h>
 
@@ -25,7 +25,8 @@ typedef struct nbody {
 
 enum { AUTO, DIRECT, TREE };
 
-/* Where nothing is said: the number of bodies from which on the tree is faster (tests/bench/nbody.c). */
+/* Where nothing is said: the tree is faster from 2000 bodies on, three times at this number (tests/bench/nbody.c);
+ * below it all pairs take 0.06 s, and have no error. */
 enum { TREE_FROM = 8192 };
 
 static const hk_param params[] = {

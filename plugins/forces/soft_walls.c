@@ -47,12 +47,13 @@ static const hk_field fields[] = {
 /* m, from the nearest point of the funnel to x, negative within the wall; n points into the open. In the half-plane of
  * x and the axis, p is the distance from the axis and h that from the neck's plane. */
 static double from_funnel(const double *f, const double *x, double n[3]) {
-  double dx = x[0] - f[0], dy = x[1] - f[1], dz = x[2] - f[2], p = hypot(dx, dy), h = fabs(dz), up = dz < 0 ? -1 : 1;
-  double neck = f[3], slope = f[4], length = hypot(1, slope), gap = (neck + slope * h - p) / length;
+  double dx = x[0] - f[0], dy = x[1] - f[1], dz = x[2] - f[2], p = sqrt(dx * dx + dy * dy), h = fabs(dz),
+         up = dz < 0 ? -1 : 1;
+  double neck = f[3], slope = f[4], length = sqrt(1 + slope * slope), gap = (neck + slope * h - p) / length;
   double out = -1 / length, along = slope / length;
   if (h - gap * along < 0) { /* the edge is nearest */
     double sign = gap < 0 ? -1 : 1;
-    gap = sign * hypot(p - neck, h);
+    gap = sign * sqrt((p - neck) * (p - neck) + h * h);
     out = gap != 0 ? (p - neck) / gap : -1;
     along = gap != 0 ? h / gap : 0;
   }

@@ -18,13 +18,6 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* s, the process's own: others on the machine disturb it less. One thread only. */
-static double own(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static int by_size(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
@@ -229,9 +222,9 @@ static void steps(size_t side) {
     liquid l;
     open_liquid(&l, side, part[k], 1);
     uint64_t first = find(&l, hk_run_view(l.e.run)->x).number;
-    double t0 = own();
+    double t0 = now();
     test_advance(&l.e, dt * (WARM + STEPS));
-    double seconds = (own() - t0) / STEPS;
+    double seconds = (now() - t0) / STEPS;
     uint64_t number = find(&l, hk_run_view(l.e.run)->x).number;
     printf("%6zu particles, skin %4.2f: a step %5.0f ns a particle, rows found %2llu times in %d steps\n", l.n, part[k],
            seconds / (double)l.n * 1e9, (unsigned long long)(number - first), STEPS);

@@ -176,7 +176,7 @@ static hk_derivative search(table *d) {
 static table table_of(const hk_function *f, int order, size_t column, const hk_differences *by, double t,
                       const double *at) {
   double least = exact_steps * DBL_EPSILON * fabs(t);
-  double unit = mantissa * exp2(ceil(log2(fmax(by->step, least) / mantissa) - 1e-9));
+  double unit = ldexp(mantissa, (int)ceil(log2(fmax(by->step, least) / mantissa) - 1e-9));
   return (table){.f = f, .order = order, .column = column, .t = t, .unit = unit, .usual = by->usual, .at = at + column};
 }
 
@@ -247,7 +247,7 @@ hk_differences hk_derivative_prepare(const hk_function *f, int order, size_t col
     table d = table_of(f, order, column, &ladder, t, at);
     calibrate_at(&sum, &d, most);
   }
-  table steps = {.unit = mantissa * exp2(ceil(log2(ladder_middle / mantissa) - 1e-9))};
+  table steps = {.unit = ldexp(mantissa, (int)ceil(log2(ladder_middle / mantissa) - 1e-9))};
   for (int level = 0; level <= HIGHEST; level++) {
     double ratio = sum.change[level] / sum.size[level];
     if (sum.times[level] < CALIBRATIONS / 2 || !(ratio < best)) continue;

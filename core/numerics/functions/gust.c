@@ -12,7 +12,7 @@ static void make_column(struct hk_gust_wave *wave, double amplitude, double shor
   for (int k = 0; k < HK_GUST_WAVES; k++) {
     double ratio = exp(span * (k + hk_random_uniform(random)) / HK_GUST_WAVES);
     wave[k].frequency = fmin(ratio / longest, 1 / shortest);
-    wave[k].size = cbrt(1 / ratio); /* per part of the logarithm f^(-2/3) of energy */
+    wave[k].size = pow(ratio, -1.0 / 3); /* per part of the logarithm f^(-2/3) of energy */
     wave[k].phase = hk_random_uniform(random);
     energy += wave[k].size * wave[k].size / 2;
   }

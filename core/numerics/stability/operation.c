@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The rounding error of an acceleration is `ulps` units in the last place. */
-static const double rounding = 2.2e-16, ulps = 64;
+static const double rounding = 2.2e-16, ulps = 64, third = 1.0 / 3;
 
 hk_status hk_operation_need(const hk_spectrum_work *s, double **vector) {
   if (!*vector) *vector = calloc(3 * s->n + 1, sizeof **vector);
@@ -114,7 +114,7 @@ void hk_operation_measure(hk_spectrum_work *s, const hk_system *system, double s
     if (fabs(x[c] - x[c % 3]) > size) size = fabs(x[c] - x[c % 3]);
   s->length = fmax(hk_operation_largest(x, 3 * s->n), size);
   if (!(s->length > 0)) s->length = 1;
-  s->spacing = isfinite(shortest) ? shortest : size > 0 ? size / cbrt((double)s->n) : s->length;
+  s->spacing = isfinite(shortest) ? shortest : size > 0 ? size / pow((double)s->n, third) : s->length;
   s->spacing = fmax(s->spacing, 1e-6 * s->length);
 }
 
@@ -133,7 +133,9 @@ hk_status hk_operation_bound(hk_operation *o, hk_lanczos *l, double known) {
 
 /* The step at which the truncation error (step/spacing)^2 equals the rounding error 2e-16 length/step; both are below
  * 1e-9 for usual scenes. */
-double hk_operation_step(const hk_spectrum_work *s) { return cbrt(rounding * s->length * s->spacing * s->spacing); }
+double hk_operation_step(const hk_spectrum_work *s) {
+  return pow(rounding * s->length * s->spacing * s->spacing, third);
+}
 
 double (*hk_operation_blocks(hk_spectrum_work *s))[6] { return (double(*)[6])(void *)s->moved; }
 

@@ -90,7 +90,8 @@ static double unseen(const hk_encounter *p, double length, force_at *force, cons
     add_parts(&missed, &here, -weight);
   }
   double along = fabs(missed.along) > fifth * size[0] ? missed.along : 0,
-         sideways = across(&missed) > fifth * size[1] ? across(&missed) : 0, most = hypot(along, sideways);
+         sideways = across(&missed) > fifth * size[1] ? across(&missed) : 0,
+         most = sqrt(along * along + sideways * sideways);
   return isfinite(most) ? most : 0;
 }
 

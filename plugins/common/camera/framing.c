@@ -78,7 +78,7 @@ static double level_plane(const hk_snapshot3d *s) {
   for (size_t k = 0; k < s->solids; k++) {
     const hk_frame_solid *plane = s->solid + k;
     const double *n = plane->axis[2];
-    if (plane->kind == HK_SHAPE_PLANE && n[2] > 0 && hypot(n[0], n[1]) < 1e-9 * n[2])
+    if (plane->kind == HK_SHAPE_PLANE && n[2] > 0 && sqrt(n[0] * n[0] + n[1] * n[1]) < 1e-9 * n[2])
       height = fmax(height, plane->centre[2]);
   }
   return height;

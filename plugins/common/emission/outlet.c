@@ -146,7 +146,7 @@ void hk_outlet_draw(const hk_outlet *o, const hk_view *view, double age, hk_draw
   for (int c = 0; c < 3; c++) {
     if (o->shape == HK_OUTLET_LINE) position[c] += u[0] * (o->end[c] - o->position[c]);
     if (o->shape == HK_OUTLET_SPHERE) position[c] += o->radius * (direction[c] = unit[c]);
-    if (o->shape == HK_OUTLET_BALL) position[c] += o->radius * cbrt(u[2]) * unit[c];
+    if (o->shape == HK_OUTLET_BALL) position[c] += o->radius * pow(u[2], 1.0 / 3) * unit[c];
   }
   if (o->shape == HK_OUTLET_DISC) draw_on_disc(o, u, position);
   if (o->shape == HK_OUTLET_TRIANGLES) draw_on_triangle(o, view, age, u, position, velocity, direction);

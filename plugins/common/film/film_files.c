@@ -45,7 +45,8 @@ static hk_status begin(hk_film_files *r) {
   hk_status status = r->possible ? r->host->path(r->host, r->file, file, sizeof file) : HK_OK;
   if (status != HK_OK) return status;
   r->begun = HK_VIDEO_NO_PROGRAM;
-  if (r->possible) r->begun = hk_video_begin(&r->video, r->width, r->height, r->fps, file, r->why, sizeof r->why);
+  if (r->possible)
+    r->begun = hk_video_begin(&r->video, r->width, r->height, r->host->lanes, r->fps, file, r->why, sizeof r->why);
   r->open = true;
   bool film = r->begun == HK_VIDEO_MADE;
   return hk_conveyor_open(&r->conveyor, r->host, (size_t)r->width * (size_t)r->height * 4,

@@ -1,4 +1,5 @@
 #include "plugins/common/film/video.h"
+#include "plugins/common/film/yuv_picture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -112,13 +113,15 @@ static int reap(hk_video *v) {
   close_if_open(&v->pictures), close_if_open(&v->errors);
   while (v->child > 0 && waitpid(v->child, &status, 0) < 0 && errno == EINTR) continue;
   v->child = 0;
+  free(v->planes);
+  v->planes = NULL;
   return status;
 }
 
-hk_video_result hk_video_begin(hk_video *v, int width, int height, double fps, const char *file, char *why,
+hk_video_result hk_video_begin(hk_video *v, int width, int height, int lanes, double fps, const char *file, char *why,
                                size_t size) {
   char output[PATH_MAX], rate[32], extent[32];
-  *v = (hk_video){.width = width, .height = height, .pictures = -1, .errors = -1};
+  *v = (hk_video){.width = width, .height = height, .lanes = lanes, .pictures = -1, .errors = -1};
   if (!safe_name(file, output, sizeof output)) {
     snprintf(why, size, "the name of the file is too long");
     return HK_VIDEO_FAILED;
@@ -126,12 +129,13 @@ hk_video_result hk_video_begin(hk_video *v, int width, int height, double fps, c
   memcpy(v->file, output, sizeof v->file);
   snprintf(rate, sizeof rate, "%.9g", fps);
   snprintf(extent, sizeof extent, "%dx%d", width, height);
-  const char *const arguments[] = {"ffmpeg",     "-hide_banner", "-loglevel", "error",      "-nostdin",    "-y",
-                                   "-f",         "rawvideo",     "-pix_fmt",  "rgb0",       "-video_size", extent,
-                                   "-framerate", rate,           "-i",        "pipe:0",     "-vf",         "vflip",
-                                   "-c:v",       "libx264",      "-preset",   "veryfast",   "-crf",        "18",
-                                   "-pix_fmt",   "yuv420p",      "-movflags", "+faststart", output,        NULL};
-  int cause = connect_to(v, arguments);
+  const char *const arguments[] = {"ffmpeg",     "-hide_banner", "-loglevel", "error",   "-nostdin",    "-y",
+                                   "-f",         "rawvideo",     "-pix_fmt",  "yuv420p", "-video_size", extent,
+                                   "-framerate", rate,           "-i",        "pipe:0",  "-c:v",        "libx264",
+                                   "-preset",    "veryfast",     "-crf",      "18",      "-pix_fmt",    "yuv420p",
+                                   "-movflags",  "+faststart",   output,      NULL};
+  v->planes = malloc(hk_yuv_size(width, height));
+  int cause = v->planes ? connect_to(v, arguments) : ENOMEM;
   if (!cause) return HK_VIDEO_MADE;
   snprintf(why, size, "%s", strerror(cause));
   reap(v);
@@ -139,15 +143,17 @@ hk_video_result hk_video_begin(hk_video *v, int width, int height, double fps, c
 }
 
 bool hk_video_feed(hk_video *v, const unsigned char *rgba) {
-  size_t left = (size_t)v->width * (size_t)v->height * 4;
+  const unsigned char *at = v->planes;
+  size_t left = hk_yuv_size(v->width, v->height);
   struct pollfd wait[2] = {{.fd = v->pictures, .events = POLLOUT}, {.fd = v->errors, .events = POLLIN}};
+  hk_yuv_picture(v->lanes, v->width, v->height, rgba, v->planes);
   while (left) {
     if (poll(wait, 2, -1) < 0 && errno != EINTR) return false;
     if (wait[1].revents && !listen_to(v)) wait[1].fd = -1;
     if (wait[0].revents == 0) continue;
-    ssize_t done = write(v->pictures, rgba, left);
+    ssize_t done = write(v->pictures, at, left);
     if (done < 0 && errno != EINTR && errno != EAGAIN) return false;
-    if (done > 0) rgba += done, left -= (size_t)done;
+    if (done > 0) at += done, left -= (size_t)done;
   }
   return true;
 }

@@ -14,7 +14,8 @@ typedef enum hk_video_result {
 } hk_video_result;
 
 typedef struct hk_video { /* a zeroed one has not begun */
-  int width, height;
+  int width, height, lanes;
+  unsigned char *planes; /* of the picture that is handed over, as in yuv_picture.h */
   char file[PATH_MAX];
   pid_t child;
   int pictures, errors; /* pipes to and from the program */
@@ -25,10 +26,12 @@ typedef struct hk_video { /* a zeroed one has not begun */
 /* True when there is a program ffmpeg on the PATH. */
 bool hk_video_possible(void);
 /* Starts ffmpeg, in the thread whose end is to be its end as well. It will encode pictures of this size, both even, as
- * H.264 into `file`. Not HK_VIDEO_MADE: it could not be started, `why` says what the system says. */
-hk_video_result hk_video_begin(hk_video *, int width, int height, double fps, const char *file, char *why, size_t size);
-/* Hands over a picture: width x height, 4 bytes each, the bottom row first. False: ffmpeg has ended. Any thread, with
- * SIGPIPE blocked. */
+ * H.264 into `file`. lanes: hk_host.lanes. Not HK_VIDEO_MADE: it could not be started, `why` says what the system says.
+ */
+hk_video_result hk_video_begin(hk_video *, int width, int height, int lanes, double fps, const char *file, char *why,
+                               size_t size);
+/* Hands over a picture: width x height, 4 bytes each, the bottom row first. False: ffmpeg has ended. Any thread, one at
+ * a time, with SIGPIPE blocked. */
 bool hk_video_feed(hk_video *, const unsigned char *rgba);
 /* Waits until all is encoded. When that fails, `why` is the last line that ffmpeg wrote. */
 hk_video_result hk_video_end(hk_video *, const hk_stop *, char *why, size_t size);

@@ -29,8 +29,8 @@ void hk_solid_box(const hk_frame_solid *solid, double low[3], double high[3]) {
   for (int c = 0; c < 3 && solid->kind != HK_SHAPE_PLANE; c++) {
     double a = fabs(solid->axis[0][c]), b = fabs(solid->axis[1][c]), d = fabs(solid->axis[2][c]);
     double half = solid->kind == HK_SHAPE_BOX                                           ? a + b + d
-                  : solid->kind == HK_SHAPE_CYLINDER || solid->kind == HK_SHAPE_CAPSULE ? hypot(a, b) + d
-                                                                                        : hypot(hypot(a, b), d);
+                  : solid->kind == HK_SHAPE_CYLINDER || solid->kind == HK_SHAPE_CAPSULE ? sqrt(a * a + b * b) + d
+                                                                                        : sqrt(a * a + b * b + d * d);
     low[c] = fmin(low[c], solid->centre[c] - half);
     high[c] = fmax(high[c], solid->centre[c] + half);
   }

@@ -49,11 +49,13 @@ static double largest(const hk_membrane *m, const double *x, hk_stiffness_part p
   return part == HK_STIFFNESS_UNDAMPED ? stress : stress + of_elasticity(scaled, g);
 }
 
+static double length(double a, double b) { return sqrt(a * a + b * b); }
+
 void hk_membrane_bound(const hk_membrane *m, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   for (size_t k = 0; k < m->node.count; k++) {
     const uint32_t *corner = hk_tuple(&m->node, k);
     const double B[4] = {m->row[HK_B0][k], m->row[HK_B1][k], m->row[HK_B2][k], m->row[HK_B3][k]};
-    const double h[3] = {hypot(B[0] + B[2], B[1] + B[3]), hypot(B[0], B[1]), hypot(B[2], B[3])};
+    const double h[3] = {length(B[0] + B[2], B[1] + B[3]), length(B[0], B[1]), length(B[2], B[3])};
     double r[3], sum = 0, L = largest(m, view->x, part, k);
     for (int c = 0; c < 3; c++) sum += h[c] * (r[c] = sqrt(view->model->inverse_mass[corner[c]]));
     for (int c = 0; c < 3; c++) {

@@ -27,8 +27,8 @@ static double to_box(const double half[3], const double p[3], double n[3]) {
 
 /* In the plane through the axis: radial and along. */
 static double to_cylinder(const double half[3], const double p[3], double n[3]) {
-  double rho = hypot(p[0], p[1]), radial = rho - half[0], axial = fabs(p[2]) - half[2];
-  double out[2] = {fmax(radial, 0), fmax(axial, 0)}, d = hypot(out[0], out[1]);
+  double rho = sqrt(p[0] * p[0] + p[1] * p[1]), radial = rho - half[0], axial = fabs(p[2]) - half[2];
+  double out[2] = {fmax(radial, 0), fmax(axial, 0)}, d = sqrt(out[0] * out[0] + out[1] * out[1]);
   double part[2] = {d > 0 ? out[0] / d : radial > axial, d > 0 ? out[1] / d : radial <= axial};
   for (int c = 0; c < 2; c++) n[c] = part[0] * (rho > 0 ? p[c] / rho : c == 0);
   n[2] = copysign(part[1], p[2]);
@@ -44,7 +44,7 @@ static double to_capsule(const double half[3], const double p[3], double n[3]) {
 
 /* From inside, a corner is where several faces meet: each has its own normal, and none leads along the diagonal. */
 static double to_nearest_face(const hk_shape *s, const double p[3], double n[3]) {
-  double rho = hypot(p[0], p[1]), radial = rho - s->half[0], best = -INFINITY;
+  double rho = sqrt(p[0] * p[0] + p[1] * p[1]), radial = rho - s->half[0], best = -INFINITY;
   bool box = s->kind == HK_SHAPE_BOX;
   int face = 2;
   for (int c = box ? 0 : 2; c < 3; c++)

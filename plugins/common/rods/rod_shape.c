@@ -149,7 +149,7 @@ static double natural_twist(const hk_rods *r, size_t e) {
 
 static void rest_of(hk_rods *r, size_t e, const double turn[2], double offset) {
   double s = sin(offset / 2), c = cos(offset / 2);
-  bool keep = r->rest == HK_ROD_REST_INITIAL && !r->given && hypot(turn[0], turn[1]) > STRAIGHT;
+  bool keep = r->rest == HK_ROD_REST_INITIAL && !r->given && sqrt(turn[0] * turn[0] + turn[1] * turn[1]) > STRAIGHT;
   r->bent[0][e] = keep ? c * turn[0] + s * turn[1] : 0;
   r->bent[1][e] = keep ? c * turn[1] - s * turn[0] : 0;
   r->twisted[e] = r->rest == HK_ROD_REST_INITIAL && !r->given ? offset : 0;

@@ -54,7 +54,7 @@ static void take_sizes(hk_snapshot3d *s, const hk_view *view) {
   float *size = s->extra[HK_EXTRA_SIZE];
   const double *radius = s->appearance->sizes == HK_SIZE_CHANNEL ? channel_of(view, s->appearance->size_channel) : NULL;
   for (size_t i = 0; i < view->n; i++) {
-    double r = radius ? radius[i] : cbrt(view->model->mass[i]);
+    double r = radius ? radius[i] : pow(view->model->mass[i], 1.0 / 3);
     size[i] = isfinite(r) && r > 0 ? (float)r : 0;
   }
 }

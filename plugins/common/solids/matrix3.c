@@ -15,9 +15,9 @@ static const int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
 /* Cosine and sine of the rotation that makes [[p, r], [r, q]] diagonal, by less than 45 degrees. */
 static void rotation(double p, double q, double r, double *c, double *s) {
-  double zeta = (q - p) / (2 * r), t = 1 / (fabs(zeta) + hypot(1, zeta));
+  double zeta = (q - p) / (2 * r), t = 1 / (fabs(zeta) + sqrt(1 + zeta * zeta));
   if (zeta < 0) t = -t;
-  *c = 1 / hypot(1, t);
+  *c = 1 / sqrt(1 + t * t);
   *s = *c * t;
 }
 

@@ -1,5 +1,5 @@
 /* Four bodies of every so manieth group: the tree's sums are those of hk_tree_pull, which forces use. */
-#include "plugins/common/gravity/tree_errors.h"
+#include "plugins/common/gravity/tree/tree_errors.h"
 
 #include <stdlib.h>
 
@@ -53,7 +53,12 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static double length(const double d[3]) { return hypot(hypot(d[0], d[1]), d[2]); } /* of any range */
+static double length(const double d[3]) { /* of any range */
+  double most = fmax(fabs(d[0]), fmax(fabs(d[1]), fabs(d[2]))), sum = 0;
+  if (!(most > 0) || !isfinite(most)) return most;
+  for (size_t c = 0; c < 3; c++) sum += d[c] / most * (d[c] / most);
+  return most * sqrt(sum);
+}
 
 /* The relative errors of the sample; adds their power, with G and the scale left out. */
 static size_t compare(const pull_sample *t, const hk_gravity_bodies *g, const double *v, double *off, double *power) {

@@ -1,5 +1,5 @@
 /* The moments of all cells, from the last to the first: the parts of a cell come after it. */
-#include "plugins/common/gravity/gravity_tree.h"
+#include "plugins/common/gravity/tree/gravity_tree.h"
 
 #include <string.h>
 
@@ -11,7 +11,9 @@ hk_status hk_tree_reserve(hk_gravity_tree *t, const hk_host *host, size_t n) {
   t->moment = host->allocate(host, 2 * room * sizeof *t->moment);
   t->size = host->allocate(host, 2 * room * sizeof *t->size);
   t->group = host->allocate(host, (room + 1) * sizeof *t->group);
-  if (!t->walk || !t->moment || !t->size || !t->group) {
+  t->body = host->allocate(host, room * sizeof *t->body);
+  t->cell = host->allocate(host, 2 * room * sizeof *t->cell);
+  if (!t->walk || !t->moment || !t->size || !t->group || !t->body || !t->cell) {
     hk_tree_release(t, host);
     return HK_NO_MEMORY;
   }
@@ -24,6 +26,8 @@ void hk_tree_release(hk_gravity_tree *t, const hk_host *host) {
   host->release(host, t->moment);
   host->release(host, t->size);
   host->release(host, t->group);
+  host->release(host, t->body);
+  host->release(host, t->cell);
   *t = (hk_gravity_tree){0};
 }
 
@@ -94,6 +98,38 @@ static void find_groups(hk_gravity_tree *t, const hk_octree *tree) {
   t->group[t->groups] = (uint32_t)tree->points;
 }
 
+/* ---- single precision ---- */
+
+/* Errors that are far above what single precision leaves, some 1e-7: at these they are 1e-5 and more (RMS). */
+static bool is_rough(const hk_tree_accuracy *a) { return isnan(a->angle) ? a->alpha >= 1e-4 : a->angle >= 0.2; }
+
+static double mass_scale_of(const hk_gravity_bodies *g) {
+  double sum = 0;
+  int exponent;
+  for (size_t k = 0; k < g->count; k++) sum += g->at.m[k];
+  if (!(sum > 0) || !isfinite(sum)) return 1;
+  frexp(sum, &exponent);
+  return ldexp(1, exponent < -1000 ? 1000 : -exponent);
+}
+
+static void fill_cell(const double *moment, double mass_scale, float *into) {
+  hk_single_place(into, moment);
+  into[HK_SINGLE_M] = (float)(moment[HK_CELL_M] * mass_scale);
+  into[HK_SINGLE_TRACE] = (float)(moment[HK_CELL_TRACE] * mass_scale);
+  for (int q = 0; q < 6; q++) into[HK_SINGLE_S + q] = (float)(moment[HK_CELL_S + q] * mass_scale);
+}
+
+static void fill_singles(hk_gravity_tree *t, const hk_gravity_bodies *g) {
+  t->mass_scale = mass_scale_of(g);
+  for (size_t k = 0; k < g->count; k++) {
+    const double at[3] = {g->at.x[k], g->at.y[k], g->at.z[k]};
+    hk_single_place(t->body[k], at);
+    t->body[k][HK_SINGLE_M] = (float)(g->at.m[k] * t->mass_scale);
+    t->body[k][HK_SINGLE_BODY - 1] = 0;
+  }
+  for (size_t k = 0; k < t->cells; k++) fill_cell(t->moment[k], t->mass_scale, t->cell[k]);
+}
+
 void hk_tree_moments(hk_gravity_tree *t, const hk_gravity_bodies *g, const hk_octree *tree,
                      const hk_tree_accuracy *accuracy) {
   t->cells = tree->cells;
@@ -107,4 +143,6 @@ void hk_tree_moments(hk_gravity_tree *t, const hk_gravity_bodies *g, const hk_oc
     double needs = isnan(accuracy->angle) ? pow(m[HK_CELL_M] * radius2 * sqrt(radius2), 0.4) : 4 * radius2;
     t->walk[k] = (hk_walk_cell){{m[0], m[1], m[2]}, radius2, needs, cell->next, cell->begin, cell->count};
   }
+  t->single = is_rough(accuracy) ? hk_single_path_of(g->host->lanes) : NULL;
+  if (t->single) fill_singles(t, g);
 }

@@ -3,7 +3,7 @@
 #ifndef HK_TREE_WALK_H
 #define HK_TREE_WALK_H
 
-#include "plugins/common/gravity/gravity_tree.h"
+#include "plugins/common/gravity/tree/gravity_tree.h"
 
 enum { HK_GROUP_BLOCKS = HK_GROUP / HK_GRAVITY_BLOCK, HK_WALK_ROOM = 1024 };
 
@@ -17,6 +17,12 @@ typedef struct hk_walk_list {
   size_t cells, ranges;
   uint32_t cell[HK_WALK_ROOM], range[HK_WALK_ROOM][2]; /* begin and end of bodies */
 } hk_walk_list;
+
+/* The cells of a list as point masses. */
+typedef struct hk_walk_points {
+  double number[4][HK_WALK_ROOM];
+  hk_bodies at;
+} hk_walk_points;
 
 /* Which cells at a distance r, with R < r, are taken whole. */
 typedef enum hk_walk_rule {
@@ -41,5 +47,8 @@ static inline double hk_group_distance2(const hk_group *g, const hk_walk_cell *c
 /* Calls `use` with lists that together have all that acts on the group. */
 void hk_tree_walk(const hk_gravity_tree *, const hk_group *, hk_walk_rule, hk_walk_list *,
                   void (*use)(void *context, const hk_walk_list *), void *context);
+
+/* The parts of `into` that are used have the cells of the list. */
+void hk_walk_points_of(const hk_gravity_tree *, const hk_walk_list *, hk_walk_points *into);
 
 #endif

@@ -1,7 +1,8 @@
 /* Sums by the tree, group by group: what a list names is summed for the blocks of the group. A group's sums have the
  * order of its walk, so they have the same bits for any number of threads. */
-#include "plugins/common/gravity/tree_sum.h"
-#include "plugins/common/gravity/tree_walk.h"
+#include "plugins/common/gravity/tree/tree_sum.h"
+#include "plugins/common/gravity/tree/single_sum.h"
+#include "plugins/common/gravity/tree/tree_walk.h"
 
 #include <string.h>
 
@@ -9,7 +10,6 @@ enum { BLOCK = HK_GRAVITY_BLOCK };
 
 /* R/r at most, of the walk for the stiffness, which is a bound, and the looser the larger this is. */
 static const double stiff = 0.25;
-static const double least_part = 0.01; /* of the root mean square of |a|: see tree_sum.h */
 
 /* The sums of one group. */
 typedef struct job {
@@ -61,79 +61,11 @@ static void pull_of_list(void *context, const hk_walk_list *l) {
   pull_of_ranges(j, l);
 }
 
-/* The cells of a list as point masses, with a weight each. */
-typedef struct points {
-  double number[4][HK_WALK_ROOM];
-  hk_bodies at;
-} points;
-
-static void point_masses(const job *j, const hk_walk_list *l, double (*weight)(const job *, uint32_t), points *p) {
-  p->at = (hk_bodies){p->number[0], p->number[1], p->number[2], p->number[3]};
-  for (size_t k = 0; k < l->cells; k++) {
-    const double *m = j->tree->moment[l->cell[k]];
-    for (size_t c = 0; c < 3; c++) p->number[c][k] = m[c];
-    p->number[3][k] = m[HK_CELL_M] * weight(j, l->cell[k]);
-  }
-}
-
-static double one(const job *j, uint32_t cell) {
-  (void)j, (void)cell;
-  return 1;
-}
-
-/* ---- the estimate of |a| ---- */
-
-/* The softening is at least the size of the group: near cells stand for bodies between those of the group. */
-static void rough_pull_of_list(void *context, const hk_walk_list *l) {
-  job *j = context;
-  const double *half = j->group.half;
-  double eps2 = j->g->eps2 + half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
-  points p;
-  point_masses(j, l, one, &p);
-  for (size_t b = 0; b < j->blocks; b++) j->g->path->pull(&p.at, 0, l->cells, &j->at[b], eps2, &j->pull[b]);
-}
-
-static void size_groups(void *context, size_t begin, size_t end, size_t chunk) {
-  const hk_tree_pulls *t = context;
-  job j;
-  (void)chunk;
-  for (size_t index = begin; index < end; index++) {
-    double sum = 0;
-    open_job(&j, t, index);
-    hk_tree_walk(t->tree, &j.group, HK_WALK_ROUGH, &j.list, rough_pull_of_list, &j);
-    for (size_t l = 0; l < j.group.count; l++) {
-      const hk_pull *p = &j.pull[l / BLOCK];
-      double x = p->a[0][l % BLOCK], y = p->a[1][l % BLOCK], z = p->a[2][l % BLOCK], a2 = x * x + y * y + z * z;
-      t->tree->size[j.group.first + l] = sqrt(a2);
-      sum += a2;
-    }
-    t->tree->size[t->g->count + index] = sum;
-  }
-}
-
-hk_tree_pulls hk_tree_pulls_of(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy) {
-  hk_tree_pulls t = {tree, g, accuracy, 0};
-  double sum = 0;
-  if (!isnan(accuracy->angle)) return t;
-  over_groups(&t, size_groups, &t);
-  for (size_t k = 0; k < tree->groups; k++) sum += tree->size[g->count + k];
-  t.least = g->count ? least_part * sqrt(sum / (double)g->count) : 0;
-  return t;
-}
-
-/* The factor of a group: its body with the least acceleration determines it. */
-static double factor_of(const hk_tree_pulls *t, const hk_group *group) {
-  double least = INFINITY;
-  if (!isnan(t->accuracy->angle)) return t->accuracy->angle * t->accuracy->angle;
-  for (size_t k = group->first; k < group->first + group->count; k++) least = fmin(least, t->tree->size[k]);
-  return pow(t->accuracy->alpha * fmax(least, t->least), 0.4);
-}
-
 /* ---- forces ---- */
 
 static void pull_group(job *j, const hk_tree_pulls *t, size_t index) {
   open_job(j, t, index);
-  j->group.factor = factor_of(t, &j->group);
+  j->group.factor = hk_tree_factor(t, index);
   hk_tree_walk(t->tree, &j->group, HK_WALK_NEEDS, &j->list, pull_of_list, j);
 }
 
@@ -146,6 +78,7 @@ static bool is_finite(const job *j) {
 
 size_t hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
   job j;
+  if (t->tree->single && hk_single_pull(t, index, a)) return 0;
   size_t met = 0;
   pull_group(&j, t, index);
   if (!is_finite(&j)) { /* estimates of roots may leave the range of floats, see direct_sum.c */
@@ -224,7 +157,7 @@ static void energy_groups(void *context, size_t begin, size_t end, size_t chunk)
   for (size_t index = begin; index < end; index++) {
     double sum = 0;
     open_job(&j, &t->pulls, index);
-    j.group.factor = factor_of(&t->pulls, &j.group);
+    j.group.factor = hk_tree_factor(&t->pulls, index);
     hk_tree_walk(t->pulls.tree, &j.group, HK_WALK_NEEDS, &j.list, potential_of_list, &j);
     scalar_of_group(&j, 1);
     for (size_t l = 0; l < j.group.count; l++) sum += j.g->at.m[j.group.first + l] * j.sum[l];
@@ -248,8 +181,9 @@ static double at_its_nearest(const job *j, uint32_t cell) {
 
 static void stiffness_of_list(void *context, const hk_walk_list *l) {
   job *j = context;
-  points p;
-  point_masses(j, l, at_its_nearest, &p);
+  hk_walk_points p;
+  hk_walk_points_of(j->tree, l, &p);
+  for (size_t k = 0; k < l->cells; k++) p.at.m[k] *= at_its_nearest(j, l->cell[k]);
   for (size_t b = 0; b < j->blocks; b++)
     j->g->path->scalar(&p.at, 0, l->cells, &j->at[b], j->g->eps2, 3, j->sum + b * BLOCK);
   scalar_of_ranges(j, l, 3);

@@ -1,10 +1,14 @@
 /* One loop over the cells in their order, which goes past those that are taken whole. */
-#include "plugins/common/gravity/tree_walk.h"
+#include "plugins/common/gravity/tree/tree_walk.h"
 
 enum {
   FEW = 2,  /* bodies that cost less than a cell with its quadrupole */
-  NEAR = 16 /* bodies that a rough walk does not look into */
+  NEAR = 64 /* bodies that a rough walk does not look into */
 };
+
+/* Scaled distance below which no cell is taken whole for forces: its centre has an error of some 1e-16, in single
+ * precision (single_path.h) of 2e-15. */
+static const double nearest = HK_SINGLE_NEAR;
 
 static void stretch(double at, double *low, double *high) {
   if (at < *low) *low = at;
@@ -38,7 +42,8 @@ static void add_range(hk_walk_list *l, uint32_t begin, uint32_t end) {
 static bool is_taken(const hk_group *g, const hk_walk_cell *c, hk_walk_rule rule) {
   double r2 = hk_group_distance2(g, c);
   if (rule == HK_WALK_ROUGH) return r2 > c->radius2 || c->count <= NEAR;
-  return r2 > c->radius2 && r2 * g->factor >= (rule == HK_WALK_RADII ? c->radius2 : c->needs);
+  return r2 > c->radius2 && r2 >= nearest * nearest &&
+         r2 * g->factor >= (rule == HK_WALK_RADII ? c->radius2 : c->needs);
 }
 
 void hk_tree_walk(const hk_gravity_tree *t, const hk_group *g, hk_walk_rule rule, hk_walk_list *l,
@@ -61,4 +66,13 @@ void hk_tree_walk(const hk_gravity_tree *t, const hk_group *g, hk_walk_rule rule
     l->cells = l->ranges = 0;
   }
   use(context, l);
+}
+
+void hk_walk_points_of(const hk_gravity_tree *t, const hk_walk_list *l, hk_walk_points *into) {
+  into->at = (hk_bodies){into->number[0], into->number[1], into->number[2], into->number[3]};
+  for (size_t k = 0; k < l->cells; k++) {
+    const double *m = t->moment[l->cell[k]];
+    for (size_t c = 0; c < 3; c++) into->number[c][k] = m[c];
+    into->number[3][k] = m[HK_CELL_M];
+  }
 }
