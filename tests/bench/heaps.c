@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static const double pi = 3.14159265358979323846, thickness = 4e-3, radius = 1e-3;
+static const double pi = 3.14159265358979323846, apart = 6e-3, radius = 1e-3;
 
 static double own(void) {
   struct timespec t;
@@ -164,20 +164,19 @@ static void at_meander(const sheet_shape *s, uint32_t i, uint32_t j, double x[3]
 typedef struct heap {
   const char *name;
   void (*build)(test_engine *, int size);
-  int size, small; /* of the whole form and of the short one */
-  double until[2]; /* s, of both */
+  int size, small;  /* of the whole form and of the short one */
+  double until[2];  /* s, of both */
+  double thickness; /* m */
 } heap;
 
 static void build_layers(test_engine *e, int size) {
   for (int k = 1; k <= size; k++)
-    add_sheet(e,
-              &(sheet_shape){12, 12, 0.02, at_flat, {0.003 * (k % 3), 0.002 * (k % 5), 1.5 * thickness * k}, 0.16 * k});
+    add_sheet(e, &(sheet_shape){12, 12, 0.02, at_flat, {0.003 * (k % 3), 0.002 * (k % 5), apart * k}, 0.16 * k});
   add_floor(e);
 }
 
 static void build_ball(test_engine *e, int size) {
-  add_sheet(e,
-            &(sheet_shape){(uint32_t)size, (uint32_t)size, 1. / (size - 1), at_flat, {0, 0, 0.25 + 2 * thickness}, 0});
+  add_sheet(e, &(sheet_shape){(uint32_t)size, (uint32_t)size, 1. / (size - 1), at_flat, {0, 0, 0.25 + apart}, 0});
   add_ball(e, 0.25);
 }
 
@@ -209,9 +208,9 @@ static void build_strands(test_engine *e, int size) {
 }
 
 static const heap heaps[] = {
-    {"30 layers", build_layers, 30, 6, {0.5, 0.2}},    {"100 layers", build_layers, 100, 12, {0.5, 0.2}},
-    {"ball", build_ball, 200, 50, {0.3, 0.2}},         {"crumple", build_crumple, 40, 14, {0.6, 0.25}},
-    {"strands", build_strands, 1000, 100, {0.2, 0.15}},
+    {"30 layers", build_layers, 30, 6, {0.5, 0.2}, 4e-3},     {"100 layers", build_layers, 100, 12, {0.3, 0.2}, 4e-3},
+    {"ball", build_ball, 200, 50, {0.3, 0.2}, 3e-3},          {"crumple", build_crumple, 28, 14, {0.6, 0.25}, 4e-3},
+    {"strands", build_strands, 1000, 100, {0.2, 0.15}, 4e-3},
 };
 
 /* ---- measuring ---- */
@@ -239,7 +238,7 @@ static hk_plugin_spec *open_heap(test_engine *e, const heap *h, bool brief) {
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, 0, -9.81);
   test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 1);
   hk_plugin_spec *contact = test_plugin(e, HK_CORRECTOR, "contact");
-  test_number(e, contact, "thickness", thickness);
+  test_number(e, contact, "thickness", h->thickness);
   test_number(e, contact, "radius", radius);
   test_number(e, contact, "friction", 0.3);
   test_run(e);

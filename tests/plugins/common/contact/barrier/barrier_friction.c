@@ -1,6 +1,6 @@
 /* What friction depends on of a contact, against differences: over a face, an edge and a corner of a triangle, and of
  * edges that cross, are nearly parallel or end. */
-#include "plugins/common/contact/barrier/friction_slopes.h"
+#include "plugins/common/contact/barrier/barrier_friction.h"
 #include "plugins/kit/vector3.h"
 
 #include <setjmp.h>
