@@ -1,8 +1,9 @@
 /* Contact of surfaces, never passed: after each step a narrow phase examines the candidate pairs. Where a gap would
  * close, impulses along the normals, and Coulomb's friction across them, bring the step back to its law of impact
- * (plugins/common/contact/impulses/impact.h), all impacts of a step together (gauss_seidel.h), until every pair is
- * proved to have stayed apart on its way (contact_candidates.h). A step of which that cannot be proved is taken back
- * and halved. Pairs that are far, and most of those that are near, cost nothing in most steps (pair_cache.h).
+ * (plugins/common/contact/impulses/impact.h), all impacts of a step together, from the impulses of the last step on
+ * (gauss_seidel.h, warm_start.h), until every pair is proved to have stayed apart on its way (contact_candidates.h). A
+ * step of which that cannot be proved is taken back and halved. Pairs that are far, and most of those that are near,
+ * cost nothing in most steps (pair_cache.h).
  *
  * Where several bodies hit each other in one step, the law of impact holds for every pair by its own speeds before;
  * chains of impacts (a row of balls) are not determined by restitution alone. A particle that bounces and hits a

@@ -208,9 +208,9 @@ static void build_strands(test_engine *e, int size) {
 }
 
 static const heap heaps[] = {
-    {"30 layers", build_layers, 30, 6, {0.5, 0.2}, 4e-3},     {"100 layers", build_layers, 100, 12, {0.3, 0.2}, 4e-3},
-    {"ball", build_ball, 200, 50, {0.3, 0.2}, 3e-3},          {"crumple", build_crumple, 28, 14, {0.6, 0.25}, 4e-3},
-    {"strands", build_strands, 1000, 100, {0.2, 0.15}, 4e-3},
+    {"30 layers", build_layers, 30, 6, {0.2, 0.2}, 4e-3},      {"100 layers", build_layers, 100, 12, {0.25, 0.2}, 4e-3},
+    {"ball", build_ball, 200, 50, {0.2, 0.2}, 3e-3},           {"crumple", build_crumple, 28, 14, {0.6, 0.25}, 4e-3},
+    {"strands", build_strands, 1000, 100, {0.15, 0.15}, 4e-3},
 };
 
 /* ---- measuring ---- */
