@@ -85,15 +85,47 @@ local function print_steps(e)
   end
 end
 
+-- Contact by a barrier needs implicit steps, each with some ten solutions of linear systems; contact by impulses needs
+-- the steps that leapfrog takes without the barrier, and keeps surfaces apart as surely, with a smaller error. Measured:
+-- 31 x 31 particles on a ball, 0.4 s: 49 steps of bdf2 6.2 s, 460 of leapfrog 1.3 s; a sheet that is wound up
+-- (plugins/correctors/contact.c): 75 steps 6.1 s, 1,379 steps 2.1 s.
+local STEPS_FOR_ONE = 45
+
+-- For a scene with a barrier: which way of contact is cheaper, and how that was found; nil: not known, or no barrier.
+local function contact_advice(e, o)
+  local without
+  for _, p in ipairs(e.plugins) do
+    if p.kind == "force" and p.name == "barrier" then without = p.label end
+  end
+  local rest = without and hooke.explain(o.path, o.given, { trust = o.trust, without = { without } })
+  for _, step in ipairs(rest and rest.steps or {}) do
+    if step.name == "leapfrog" and step.limit > 0 and step.limit < math.huge and e.dt > 0 then
+      local steps = math.max(1, e.dt / step.limit)
+      return { steps = steps, limit = step.limit, cost = STEPS_FOR_ONE, take = steps > STEPS_FOR_ONE and "barrier" or "contact" }
+    end
+  end
+end
+
+local function print_contact(e)
+  local c = e.contact
+  if not c then return end
+  print(("\ncontact\n  a step with the barrier costs as much as some %d of leapfrog with the corrector 'contact', whose stable"
+    .. " step\n  here, %.3g s, is %.3g to one of this scene: %s"):format(c.cost, c.limit, c.steps, c.take == "contact"
+    and "the corrector with leapfrog is cheaper, and damps less"
+    or "the barrier with an implicit method is cheaper, though it damps more"))
+end
+
 local function explain(o)
   local e, message = hooke.explain(o.path, o.given, { trust = o.trust })
   if not e then return fail(message) end
+  e.contact = contact_advice(e, o)
   if o.json then
     command_line.print_json(json.encode(e))
   else
     print_loaded(e)
     print_solver(e)
     print_steps(e)
+    print_contact(e)
     print_warnings(e)
   end
   return 0

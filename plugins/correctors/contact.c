@@ -1,8 +1,9 @@
 /* Contact of surfaces, never passed: after each step a narrow phase examines the candidate pairs. Where a gap would
  * close, impulses along the normals, and Coulomb's friction across them, bring the step back to its law of impact
- * (plugins/common/contact/impulses/impact.h), all impacts of a step together (gauss_seidel.h), until every pair is
- * proved to have stayed apart on its way (contact_candidates.h). A step of which that cannot be proved is taken back
- * and halved. Pairs that are far, and most of those that are near, cost nothing in most steps (pair_cache.h).
+ * (plugins/common/contact/impulses/impact.h), all impacts of a step together, from the impulses of the last step on
+ * (gauss_seidel.h, warm_start.h), until every pair is proved to have stayed apart on its way (contact_candidates.h). A
+ * step of which that cannot be proved is taken back and halved. Pairs that are far, and most of those that are near,
+ * cost nothing in most steps (pair_cache.h).
  *
  * Where several bodies hit each other in one step, the law of impact holds for every pair by its own speeds before;
  * chains of impacts (a row of balls) are not determined by restitution alone. A particle that bounces and hits a
@@ -20,6 +21,7 @@
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
 #include "plugins/common/contact/impulses/impulse_contact.h"
+#include "plugins/common/contact/impulses/warm_start.h"
 
 enum { ROUNDS = 6 /* of solutions and narrow phases in a step */ };
 
@@ -35,6 +37,7 @@ typedef struct contact {
   hk_impulse_contact base;
   int64_t began;                  /* the first step was examined */
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
+  hk_array known;                 /* hk_warm_pair: the impulses of the last step */
   contact_times seconds;
 } contact;
 
@@ -50,6 +53,7 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     HK_IMPULSE_CONTACT_FIELDS,
     {"began", .integer = HK_AT(contact, began)},
+    {"known", .array = HK_AT(contact, known), .width = sizeof(hk_warm_pair)},
     {"seconds", .number = HK_AT(contact, seconds.all), .flags = HK_SCRATCH},
     {"seconds_of_pairs", .number = HK_AT(contact, seconds.pairs), .flags = HK_SCRATCH},
     {"seconds_of_searches", .number = HK_AT(hk_impulse_contact, cache.seconds), .flags = HK_SCRATCH},
@@ -58,8 +62,7 @@ static const hk_field fields[] = {
     {0},
 };
 
-static hk_status topology(void *self, const hk_view *view) {
-  contact *s = self;
+static hk_status open_particles(contact *s, const hk_view *view) {
   const hk_host *host = s->base.host;
   host->release(host, s->moved);
   host->release(host, s->touched);
@@ -69,11 +72,17 @@ static hk_status topology(void *self, const hk_view *view) {
   return hk_impulse_contact_topology(&s->base, view);
 }
 
+static hk_status topology(void *self, const hk_view *view) {
+  contact *s = self;
+  hk_status status = s->base.host->resize(s->base.host, &s->known, 0);
+  return status == HK_OK ? open_particles(s, view) : status;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
   hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
-  return status == HK_OK ? topology(self, view) : status;
+  return status == HK_OK ? open_particles(s, view) : status;
 }
 
 static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_contact_solver *all) {
@@ -99,10 +108,14 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (!c->changed) hk_impulse_contact_keep_free(&s->base, view, c);
   hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &solver);
   if (status != HK_OK) return status;
+  bool first = !s->base.candidates.solved;
+  if (first) hk_warm_start_give(&s->known, &solver, move->h);
   hk_gauss_seidel_result done = hk_gauss_seidel(&solver, move);
   s->base.candidates.touched = s->touched, s->base.candidates.since = s->now;
   s->now = solver.now;
   hk_contact_candidates_remember(&s->base.candidates, &solver);
+  if (first) status = hk_warm_start_keep(&s->known, s->base.host, &solver, move->h);
+  if (status != HK_OK) return status;
   c->changed |= done.pushing > 0;
   s->base.last.impulse += done.impulse;
   s->seconds.impulses += hk_own_time() - begin;

@@ -4,7 +4,7 @@
  * an implicit method stays within the part that continuous collision detection finds safe (barrier_limit.c), so that no
  * gap is ever closed: there are no intersections, at no time, where there were none at the start.
  *
- * Friction is Coulomb's, smoothed below the speed epsilon_v and with the normal forces of the step before
+ * Friction is Coulomb's, smoothed below the speed epsilon_v, with the normal forces of the same positions
  * (barrier_friction.h).
  *
  * Invariant: `stiffness` changes between steps only, so that a line search sees one potential.
@@ -59,7 +59,6 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     {"shape", .per_particle = HK_AT(barrier, contacts.shape), .width = 2},
     {"named", .array = HK_AT(barrier, contacts.named), .width = sizeof(hk_feature_pair)},
-    {"touches", .array = HK_AT(barrier, friction.touches), .width = sizeof(hk_barrier_touch)},
     {"density", .number = HK_AT(barrier, density)},
     {"survey_due", .integer = HK_AT(barrier, survey_due)},
     {"began", .integer = HK_AT(barrier, began)},
@@ -84,7 +83,6 @@ static const hk_field fields[] = {
     {"start", .array = HK_AT(barrier, contacts.sorter.start), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
     {"order", .array = HK_AT(barrier, contacts.sorter.order), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
     {"spare", .array = HK_AT(barrier, contacts.sorter.spare), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
-    {"pairs", .array = HK_AT(barrier, friction.pairs), .width = sizeof(hk_feature_pair), .flags = HK_SCRATCH},
     {0},
 };
 
@@ -105,9 +103,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static hk_status topology(void *self, const hk_view *view) {
   barrier *b = self;
-  hk_status status = hk_barrier_forget(&b->contacts);
+  (void)view;
   if (!b->began) b->chosen = b->contacts.law.stiffness = 0;
-  return status == HK_OK ? hk_friction_renumber(&b->friction, view) : status;
+  return hk_barrier_forget(&b->contacts);
 }
 
 /* ---- force ---- */
@@ -116,7 +114,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   barrier *b = self;
   hk_status status = hk_barrier_add(&b->contacts, view, F);
   if (status != HK_OK) return status;
-  double power = hk_friction_add(&b->friction, view->v, F);
+  double power = hk_friction_add(&b->friction, &b->contacts, view, F);
   if (view->power) *view->power += power;
   return HK_OK;
 }
@@ -131,7 +129,7 @@ static void pattern(void *self, const hk_view *view, hk_pattern *into) {
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   barrier *b = self;
   hk_status status = hk_barrier_jacobian(&b->contacts, view, into);
-  if (status == HK_OK) hk_friction_damping(&b->friction, view->v, into);
+  if (status == HK_OK) hk_friction_blocks(&b->friction, &b->contacts, view, into);
   return status;
 }
 
@@ -193,10 +191,8 @@ static bool is_pair(const hk_feature_pair *p, size_t n) {
 /* Indices that come from a checkpoint, which may be damaged. */
 static hk_status check_pairs(const barrier *b, const hk_view *view) {
   const hk_feature_pair *named = b->contacts.named.item;
-  const hk_barrier_touch *touch = b->friction.touches.item;
   bool fine = true;
   for (size_t k = 0; k < b->contacts.named.count; k++) fine = fine && is_pair(&named[k], view->n);
-  for (size_t k = 0; k < b->friction.touches.count; k++) fine = fine && is_pair(&touch[k].pair, view->n);
   if (fine) return HK_OK;
   return view->host->fail(view->host, HK_FAILED,
                           "its contacts name particles that are not there: the checkpoint is "
@@ -207,16 +203,12 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
   barrier *b = self;
   hk_status status = b->checked ? HK_OK : check_pairs(b, from);
   b->checked = true;
-  if (status == HK_OK) status = hk_friction_list(&b->friction, from->host);
-  if (status == HK_OK)
-    status = hk_barrier_find(&b->contacts, from, x_to, b->friction.pairs.item, b->friction.pairs.count, changed);
+  if (status == HK_OK) status = hk_barrier_find(&b->contacts, from, x_to, changed);
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
   if (!(b->contacts.law.stiffness > 0)) choose(b, from);
   follow_speeds(b, from, x_to);
-  if (!b->began && !b->friction.touches.count) status = hk_friction_take(&b->friction, &b->contacts, from);
-  hk_friction_update_names(&b->friction, &b->contacts);
-  return status;
+  return HK_OK;
 }
 
 static double step_limit(void *self, const hk_view *from, const double *dx) {
@@ -234,9 +226,9 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   b->began = 1;
   b->closest = fmin(b->closest, s.closest);
   b->impulse += h * s.load;
-  b->lost -= h * hk_friction_power(&b->friction, view->v);
+  b->lost -= h * hk_friction_power(&b->friction, &b->contacts, view);
   b->survey_due = 1;
-  return hk_friction_take(&b->friction, &b->contacts, view);
+  return HK_OK;
 }
 
 static bool report(void *self, const hk_view *view, hk_contact_report *out) {
@@ -259,7 +251,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE |
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE |
              HK_STIFFENS | HK_POWER,
     .add = add,
     .energy = energy,

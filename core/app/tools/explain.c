@@ -194,6 +194,7 @@ int hk_tool_explain(lua_State *L) {
     lua_getfield(L, 3, "trust");
     options.trust = lua_toboolean(L, -1);
     lua_pop(L, 1);
+    hk_tool_read_without(L, 3, "explain", &run_options);
   }
   options.run = &run_options;
   run_options.acting = hk_script_run_options(hk_lua_script(L))->acting;

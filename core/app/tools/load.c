@@ -68,14 +68,13 @@ static bool flag_field(lua_State *L, int table, const char *key) {
   return set;
 }
 
-/* The labels in `without`; the block that holds them stays on the stack. */
-static void read_without(lua_State *L, int table, hk_run_options *run) {
+void hk_tool_read_without(lua_State *L, int table, const char *what, hk_run_options *run) {
   if (lua_getfield(L, table, "without") == LUA_TTABLE) {
     size_t count = lua_rawlen(L, -1);
     const char **label = lua_newuserdatauv(L, (count + 1) * sizeof *label, 0);
     for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
       if (lua_rawgeti(L, -2, (lua_Integer)k + 1) != LUA_TSTRING)
-        hk_lua_fail(L, HK_BAD_PARAM, "load: without: expected a list of labels");
+        hk_lua_fail(L, HK_BAD_PARAM, "%s: without: expected a list of labels", what);
       label[k] = lua_tostring(L, -1);
     }
     run->without = label;
@@ -110,7 +109,7 @@ static void read_options(lua_State *L, int table, hk_script_options *options, hk
   options->seed = hk_lua_field_whole(L, table, what, "seed", 0, most);
   options->threads = (int)hk_lua_field_whole(L, table, what, "threads", 0, 1024);
   options->trust = flag_field(L, table, "trust");
-  read_without(L, table, run);
+  hk_tool_read_without(L, table, what, run);
 }
 
 int hk_tool_load(lua_State *L) {

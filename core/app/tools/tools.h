@@ -29,6 +29,9 @@ void hk_tool_open_verify(lua_State *L); /* verify.c: adds run:verify() */
 
 /* load.c: converts the table {name = value} at `table`, or nil, to a block on the Lua stack. */
 hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count);
+/* load.c: sets the labels that the list `without` of the table of options names, if there is one; what holds them lives
+ * as long as the table. `what`: whose options they are, for errors. */
+void hk_tool_read_without(lua_State *L, int table, const char *what, hk_run_options *);
 
 /* copy.c: copies the text, number, boolean or table on top of the stack of `from` to that of `to`. A function in it, a
  * circle or control characters are an error of `from` that begins with `what`. */

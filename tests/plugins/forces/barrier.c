@@ -319,6 +319,32 @@ static void what_slides_stops_where_it_should(void **state) {
   assert_true(fabs(off[1]) < 0.01 && fabs(off[2]) < 0.01 && fabs(off[0]) > fabs(off[1]));
 }
 
+/* A ball that falls 2 cm onto a floor along which it goes at 3 m/s, mu = 0.4, in steps of a frame: while it slides, the
+ * floor takes mu times the impulse along the normal from its speed, however that comes. bdf2's first step and the steps
+ * that it repeats by backward Euler weigh both alike; the iteration's tolerance is 1e-6 of the speed a step. */
+static void what_slides_loses_mu_times_its_impacts(void **state) {
+  (void)state;
+  const double mu = 0.4, speed = 3, drop = 0.02;
+  double worst = 0;
+  test_engine t;
+  open_world(&t, "bdf2:tolerance=1e-6", 1. / 60);
+  uint32_t id = put(&t, (double[]){0, 0, radius + reach + drop}, (double[]){speed, 0, 0}, 0.1);
+  add_floor(&t);
+  fall(&t, 0, -g);
+  add_barrier(&t, mu);
+  test_run(&t);
+  for (int frame = 1; frame <= 30; frame++) {
+    test_advance(&t, frame / 60.);
+    double along = test_velocity(&t, id)[0], up = test_velocity(&t, id)[2] + g * frame / 60.;
+    worst = fmax(worst, fabs(speed - along - mu * up));
+  }
+  print_message("the speed that is lost and mu times the impacts differ by %.1e m/s of %.2f\n", worst,
+                speed - test_velocity(&t, id)[0]);
+  assert_true(test_velocity(&t, id)[0] > 0.5 && test_velocity(&t, id)[0] < 0.7 * speed);
+  assert_true(worst < 30 * 1e-6 * speed);
+  test_engine_close(&t);
+}
+
 /* ---- rest ---- */
 
 static void what_rests_keeps_its_energy_for_a_minute(void **state) {
@@ -396,6 +422,7 @@ int main(void) {
       cmocka_unit_test(threads_and_checkpoints_leave_no_trace),
       cmocka_unit_test(friction_on_a_slope_brackets_its_tangent),
       cmocka_unit_test(what_slides_stops_where_it_should),
+      cmocka_unit_test(what_slides_loses_mu_times_its_impacts),
       cmocka_unit_test(what_rests_keeps_its_energy_for_a_minute),
       cmocka_unit_test(plates_that_close_end_the_run_with_words),
       cmocka_unit_test(a_start_in_contact_is_refused_by_name),

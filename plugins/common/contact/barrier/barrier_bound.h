@@ -6,7 +6,7 @@
 
 /* Adds to block[i] as hk_force.stiffness_bound asks. Of K: of every particle of the surfaces, with contacts all around
  * that are compressed to u = 1/10, or as far as the closest one now. Of D: of the contacts that rub now. */
-void hk_barrier_bound(const hk_barrier_contacts *, const hk_barrier_friction *, const hk_view *view, hk_stiffness_part,
+void hk_barrier_bound(hk_barrier_contacts *, const hk_barrier_friction *, const hk_view *view, hk_stiffness_part,
                       double (*block)[6]);
 
 #endif

@@ -64,14 +64,11 @@ typedef struct hk_barrier_contacts {
 
 /* Forgets all pairs, when particles have other indices. HK_NO_MEMORY. */
 hk_status hk_barrier_forget(hk_barrier_contacts *);
-/* For hk_force.update: finds the candidates of the straight move to x_to. `also`: pairs that need blocks as well,
- * rising; *changed is set where the blocks differ. */
-hk_status hk_barrier_find(hk_barrier_contacts *, const hk_view *from, const double *x_to, const hk_feature_pair *also,
-                          size_t also_count, bool *changed);
+/* For hk_force.update: finds the candidates of the straight move to x_to. *changed is set where the blocks differ. */
+hk_status hk_barrier_find(hk_barrier_contacts *, const hk_view *from, const double *x_to, bool *changed);
 /* Its last part: tells the pairs their names, and gives names where one has none that may act on the first `part` of
  * the move. */
-hk_status hk_barrier_update_names(hk_barrier_contacts *, double part, const hk_feature_pair *also, size_t also_count,
-                                  bool *changed);
+hk_status hk_barrier_update_names(hk_barrier_contacts *, double part, bool *changed);
 /* For hk_force.step_limit. */
 double hk_barrier_limit(hk_barrier_contacts *, const hk_view *from, const double *dx);
 

@@ -202,8 +202,7 @@ static double safe_part(hk_barrier_contacts *c, const hk_view *from, const doubl
   return hk_barrier_limit(c, from, way);
 }
 
-hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const double *x_to, const hk_feature_pair *also,
-                          size_t also_count, bool *changed) {
+hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const double *x_to, bool *changed) {
   hk_status status = take_surfaces(c, from);
   if (status == HK_OK && still_holds(c, from, x_to))
     measure_gaps(c, from, x_to);
@@ -211,5 +210,5 @@ hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const dou
     status = search(c, from, x_to);
   if (status == HK_OK) status = reserve(c, from->n);
   if (status != HK_OK) return status;
-  return hk_barrier_update_names(c, safe_part(c, from, x_to), also, also_count, changed);
+  return hk_barrier_update_names(c, safe_part(c, from, x_to), changed);
 }

@@ -1,125 +1,170 @@
 /* See barrier_friction.h. */
 #include "plugins/common/contact/barrier/barrier_friction.h"
+#include "plugins/common/contact/geometry/nearest_frame.h"
 #include "plugins/kit/vector3.h"
 
 #include <string.h>
 
-static hk_barrier_touch *touches_of(const hk_barrier_friction *f) { return f->touches.item; }
+/* A contact that rubs. */
+typedef struct rub {
+  const hk_barrier_pair *pair;
+  const hk_barrier_value *value;
+  hk_pair_frame frame;
+  double load;         /* l, N */
+  double u[3], size;   /* m/s, the velocity across the normal */
+  double ratio, slope; /* N s/m: mu l f/|u|, and the derivative of mu l f by |u| */
+} rub;
 
-/* ---- force ---- */
-
-/* The velocity across the normal; returns its size. */
-static double slip(const hk_barrier_touch *t, const double *v, double u[3]) {
+/* The velocity across the normal. */
+static void find_slip(rub *r, const double *v) {
   double along = 0;
   for (size_t c = 0; c < 3; c++) {
-    u[c] = 0;
-    for (int a = 0; a < 4; a++) u[c] += t->frame.w[a] * v[3 * (size_t)t->pair.vertex[a] + c];
+    r->u[c] = 0;
+    for (int a = 0; a < 4; a++) r->u[c] += r->frame.w[a] * v[3 * (size_t)r->pair->pair.vertex[a] + c];
   }
-  along = hk_dot(u, t->frame.n);
-  for (int c = 0; c < 3; c++) u[c] -= along * t->frame.n[c];
-  return hk_length(u);
+  along = hk_dot(r->u, r->frame.n);
+  hk_add_scaled(r->u, -along, r->frame.n);
+  r->size = hk_length(r->u);
 }
 
-/* mu l f(y)/|u|, N s/m */
-static double ratio(const hk_barrier_friction *f, const hk_barrier_touch *t, double size) {
-  double y = size / f->speed;
-  return f->coefficient * t->load * (y < 1 ? (2 - y) / f->speed : 1 / size);
+static rub rub_of(const hk_barrier_friction *f, const hk_barrier_contacts *c, size_t k, const double *v) {
+  const hk_barrier_value *value = hk_barrier_acting(c, k);
+  rub r = {.pair = (const hk_barrier_pair *)c->near.item + value->near, .value = value};
+  r.frame = hk_pair_frame_of(&value->nearest);
+  r.load = hk_barrier_load(value);
+  find_slip(&r, v);
+  double y = r.size / f->speed, most = f->coefficient * r.load;
+  r.ratio = most * (y < 1 ? (2 - y) / f->speed : 1 / r.size);
+  r.slope = y < 1 ? 2 * most * (1 - y) / f->speed : 0;
+  return r;
 }
 
-double hk_friction_add(const hk_barrier_friction *f, const double *v, double *F) {
-  double u[3], power = 0;
-  for (size_t k = 0; k < f->touches.count; k++) {
-    const hk_barrier_touch *t = &touches_of(f)[k];
-    double size = slip(t, v, u), r = ratio(f, t, size);
-    for (size_t e = 0; e < 12; e++) F[3 * (size_t)t->pair.vertex[e / 3] + e % 3] -= r * t->frame.w[e / 3] * u[e % 3];
-    power -= r * size * size;
-  }
-  return power;
-}
-
-double hk_friction_power(const hk_barrier_friction *f, const double *v) {
-  double u[3], power = 0;
-  for (size_t k = 0; k < f->touches.count; k++) {
-    double size = slip(&touches_of(f)[k], v, u);
-    power -= ratio(f, &touches_of(f)[k], size) * size * size;
-  }
-  return power;
-}
-
-/* r (P - e e^T) + s e e^T, P the projection across the normal, e = u/|u|, s the slope of the force. */
-static void damping_of(const hk_barrier_friction *f, const hk_barrier_touch *t, const double *v, double D[9]) {
-  double u[3], size = slip(t, v, u), r = ratio(f, t, size), y = size / f->speed;
-  double slope = y < 1 ? 2 * f->coefficient * t->load * (1 - y) / f->speed : 0;
-  for (int p = 0; p < 9; p++) {
-    double ee = size > 0 ? u[p / 3] * u[p % 3] / (size * size) : 0;
-    D[p] = r * ((p % 4 == 0) - t->frame.n[p / 3] * t->frame.n[p % 3] - ee) + slope * ee;
-  }
-}
-
-void hk_friction_damping(const hk_barrier_friction *f, const double *v, const hk_blocks *into) {
-  double D[9];
-  for (size_t k = 0; k < f->touches.count; k++) {
-    const hk_barrier_touch *t = &touches_of(f)[k];
-    const size_t *slot = into->slot + 16 * (size_t)t->name;
-    damping_of(f, t, v, D);
-    for (size_t b = 0; b < 16; b++)
-      for (size_t p = 0; p < 9; p++) into->D[9 * slot[b] + p] += t->frame.w[b / 4] * t->frame.w[b % 4] * D[p];
-  }
-}
-
-/* ---- what is remembered ---- */
-
-static void remember(const hk_barrier_pair *p, const hk_barrier_value *v, const hk_view *view, hk_barrier_touch *t) {
-  *t = (hk_barrier_touch){p->pair, .frame = hk_pair_frame_of(&v->nearest), .load = hk_barrier_load(v), .name = p->name};
-  for (int a = 0; a < 4; a++) t->id[a] = view->model->id[p->pair.vertex[a]];
-}
-
-hk_status hk_friction_take(hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view) {
-  const hk_barrier_pair *near = c->near.item;
-  size_t count = 0;
-  if (!(f->coefficient > 0)) return c->host->resize(c->host, &f->touches, 0);
+static size_t rubbing(const hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view) {
+  if (!(f->coefficient > 0)) return 0;
   hk_barrier_values_at(c, view);
-  hk_status status = c->host->resize(c->host, &f->touches, c->acting_count);
-  if (status != HK_OK) return status;
-  for (size_t k = 0; k < c->acting_count; k++) {
-    const hk_barrier_value *v = hk_barrier_acting(c, k);
-    if (near[v->near].name != UINT32_MAX) remember(&near[v->near], v, view, &touches_of(f)[count++]);
+  return c->acting_count;
+}
+
+double hk_friction_add(const hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view, double *F) {
+  size_t count = rubbing(f, c, view);
+  double power = 0;
+  for (size_t k = 0; k < count; k++) {
+    rub r = rub_of(f, c, k, view->v);
+    for (int a = 0; a < 4; a++) hk_add_scaled(F + 3 * (size_t)r.pair->pair.vertex[a], -r.ratio * r.frame.w[a], r.u);
+    power -= r.ratio * r.size * r.size;
   }
-  return c->host->resize(c->host, &f->touches, count);
+  return power;
 }
 
-/* The index of a particle; UINT32_MAX: it is dead. */
-static uint32_t index_of(const hk_model *model, uint32_t id) {
-  size_t i = hk_model_find(model, id);
-  return i < model->n ? (uint32_t)i : UINT32_MAX;
+double hk_friction_power(const hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view) {
+  size_t count = rubbing(f, c, view);
+  double power = 0;
+  for (size_t k = 0; k < count; k++) {
+    rub r = rub_of(f, c, k, view->v);
+    power -= r.ratio * r.size * r.size;
+  }
+  return power;
 }
 
-hk_status hk_friction_renumber(hk_barrier_friction *f, const hk_view *view) {
-  size_t kept = 0;
-  for (size_t k = 0; k < f->touches.count; k++) {
-    hk_barrier_touch t = touches_of(f)[k];
-    bool live = true;
-    for (int a = 0; a < 4; a++) {
-      t.pair.vertex[a] = index_of(view->model, t.id[a]);
-      live = live && t.pair.vertex[a] != UINT32_MAX;
+/* ---- slopes ---- */
+
+/* Of the nearest points: w, and d, m. */
+static void move_nearest(const hk_nearest *near, const double at[12], double w[4][12], double d[3][12]) {
+  double c[2][4], along[2][3], by[2][12];
+  int count = hk_nearest_directions(near, at, c, along);
+  memset(w, 0, 4 * sizeof *w);
+  for (int r = 0; r < 3; r++)
+    for (int j = 0; j < 12; j++) d[r][j] = j % 3 == r ? near->w[j / 3] : 0;
+  if (count == 0) return;
+  double g00 = hk_dot(along[0], along[0]), g01 = 0, g11 = 1;
+  if (count == 2) g01 = hk_dot(along[0], along[1]), g11 = hk_dot(along[1], along[1]);
+  double det = g00 * g11 - g01 * g01;
+  for (int j = 0; j < 12; j++) {
+    double b[2] = {0};
+    for (int k = 0; k < count; k++) b[k] = c[k][j / 3] * near->d[j % 3] + near->w[j / 3] * along[k][j % 3];
+    by[0][j] = -(g11 * b[0] - g01 * b[1]) / det;
+    by[1][j] = -(g00 * b[1] - g01 * b[0]) / det;
+  }
+  for (int k = 0; k < count; k++)
+    for (int j = 0; j < 12; j++) {
+      for (int i = 0; i < 4; i++) w[i][j] += c[k][i] * by[k][j];
+      for (int r = 0; r < 3; r++) d[r][j] += along[k][r] * by[k][j];
     }
-    if (live) touches_of(f)[kept++] = t;
+}
+
+static void move_load(const hk_barrier_pair *p, const hk_barrier_value *v, const double at[12], double load[12]) {
+  double size = sqrt(v->nearest.squared), by[12], g[12] = {0};
+  hk_distance_gradient(&v->nearest, by);
+  if (p->limit > 0) hk_edge_mollifier(at, p->limit, g, NULL);
+  for (int j = 0; j < 12; j++)
+    load[j] = -2 * (v->m * (v->E2 * size + v->E1 / (2 * size)) * by[j] + v->E1 * size * g[j]);
+}
+
+/* u' = W' - n' (n.W) - n (n'.W + n.W'), where W changes by w alone. */
+static void move_slip(const hk_nearest *near, const double v[12], const hk_friction_slopes *s, const double d[3][12],
+                      double u[3][12]) {
+  hk_pair_frame f = hk_pair_frame_of(near);
+  double size = sqrt(near->squared), W[3] = {0};
+  for (int i = 0; i < 4; i++) hk_add_scaled(W, f.w[i], v + 3 * i);
+  double along = hk_dot(f.n, W);
+  for (int j = 0; j < 12; j++) {
+    double dn[3] = {d[0][j] / size, d[1][j] / size, d[2][j] / size}, dW[3] = {0};
+    hk_add_scaled(dn, -hk_dot(dn, f.n), f.n);
+    for (int i = 0; i < 4; i++) hk_add_scaled(dW, s->w[i][j], v + 3 * i);
+    double change = hk_dot(dn, W) + hk_dot(f.n, dW);
+    for (int r = 0; r < 3; r++) u[r][j] = dW[r] - dn[r] * along - f.n[r] * change;
   }
-  return view->host->resize(view->host, &f->touches, kept);
 }
 
-hk_status hk_friction_list(hk_barrier_friction *f, const hk_host *host) {
-  hk_status status = host->resize(host, &f->pairs, f->touches.count);
-  for (size_t k = 0; k < f->touches.count && status == HK_OK; k++)
-    ((hk_feature_pair *)f->pairs.item)[k] = touches_of(f)[k].pair;
-  return status;
+void hk_friction_slopes_of(const hk_barrier_pair *p, const hk_barrier_value *v, const hk_view *view,
+                           hk_friction_slopes *s) {
+  double at[12], speed[12], d[3][12];
+  hk_pair_gather(&p->pair, view->x, at);
+  hk_pair_gather(&p->pair, view->v, speed);
+  move_nearest(&v->nearest, at, s->w, d);
+  move_load(p, v, at, s->load);
+  move_slip(&v->nearest, speed, s, (const double(*)[12])d, s->u);
 }
 
-void hk_friction_update_names(hk_barrier_friction *f, const hk_barrier_contacts *c) {
-  const hk_feature_pair *named = c->named.item;
-  size_t k = 0;
-  for (size_t e = 0; e < f->touches.count; e++) {
-    while (k < c->named.count && hk_pair_compare(&named[k], &touches_of(f)[e].pair) < 0) k++;
-    touches_of(f)[e].name = (uint32_t)k;
+/* ---- blocks ---- */
+
+/* -dF/dv: r (P - e e^T) + s e e^T, P the projection across the normal, e = u/|u|, s the slope of the force. */
+static void add_damping(const rub *r, const size_t *slot, double *to) {
+  double D[9];
+  for (int p = 0; p < 9; p++) {
+    double ee = r->size > 0 ? r->u[p / 3] * r->u[p % 3] / (r->size * r->size) : 0;
+    D[p] = r->ratio * ((p % 4 == 0) - r->frame.n[p / 3] * r->frame.n[p % 3] - ee) + r->slope * ee;
+  }
+  for (size_t b = 0; b < 16; b++)
+    for (size_t p = 0; p < 9; p++) to[9 * slot[b] + p] += r->frame.w[b / 4] * r->frame.w[b % 4] * D[p];
+}
+
+/* -dF_i/dx = w_i' ratio u + w_i (ratio/l) u l' + w_i (ratio (I - e e^T) + slope e e^T) u'. */
+static void add_turning(const rub *r, const hk_friction_slopes *d, const size_t *slot, double *to) {
+  double part = r->load > 0 ? r->ratio / r->load : 0, more = r->slope - r->ratio;
+  for (int j = 0; j < 12; j++) {
+    double du[3] = {d->u[0][j], d->u[1][j], d->u[2][j]};
+    double along = r->size > 0 ? hk_dot(r->u, du) / (r->size * r->size) : 0;
+    for (int e = 0; e < 12; e++) {
+      int i = e / 3, a = e % 3;
+      double by = d->w[i][j] * r->ratio * r->u[a] +
+                  r->frame.w[i] * (part * d->load[j] * r->u[a] + r->ratio * du[a] + more * along * r->u[a]);
+      to[9 * slot[4 * i + j / 3] + 3 * (size_t)a + (size_t)(j % 3)] += by;
+    }
+  }
+}
+
+void hk_friction_blocks(const hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view,
+                        const hk_blocks *into) {
+  size_t count = rubbing(f, c, view);
+  for (size_t k = 0; k < count; k++) {
+    rub r = rub_of(f, c, k, view->v);
+    const size_t *slot = into->slot + 16 * (size_t)r.pair->name;
+    if (into->want & HK_WANT_DEFINITE) r.slope = r.ratio;
+    add_damping(&r, slot, into->D);
+    if (into->want & (HK_WANT_SYMMETRIC | HK_WANT_DEFINITE)) continue;
+    hk_friction_slopes slopes;
+    hk_friction_slopes_of(r.pair, r.value, view, &slopes);
+    add_turning(&r, &slopes, slot, into->K);
   }
 }

@@ -50,38 +50,22 @@ static bool tell(hk_barrier_contacts *c, double part) {
   return all;
 }
 
-static bool have_names(const hk_barrier_contacts *c, const hk_feature_pair *also, size_t count) {
-  const hk_feature_pair *named = c->named.item;
-  size_t at = 0;
-  for (size_t k = 0; k < count; k++) {
-    while (at < c->named.count && hk_pair_compare(&named[at], &also[k]) < 0) at++;
-    if (at == c->named.count || hk_pair_compare(&named[at], &also[k]) != 0) return false;
-  }
-  return true;
-}
-
-/* Names the candidates of the move, with a margin, and `also`. */
-static hk_status name(hk_barrier_contacts *c, double part, const hk_feature_pair *also, size_t also_count) {
+/* Names the candidates of the move, with a margin. */
+static hk_status name(hk_barrier_contacts *c, double part) {
   const hk_barrier_pair *near = c->near.item;
-  hk_status status = c->host->resize(c->host, &c->named, c->found + also_count);
+  hk_status status = c->host->resize(c->host, &c->named, c->found);
   if (status != HK_OK) return status;
   hk_feature_pair *named = c->named.item;
-  size_t count = 0, q = 0;
-  for (size_t k = 0; k < c->found; k++) {
-    if (!(least_on(&near[k], part) < (1 + HK_BARRIER_MARGIN) * c->law.distance)) continue;
-    while (q < also_count && hk_pair_compare(&also[q], &near[k].pair) < 0) named[count++] = also[q++];
-    if (q < also_count && hk_pair_compare(&also[q], &near[k].pair) == 0) q++;
-    named[count++] = near[k].pair;
-  }
-  while (q < also_count) named[count++] = also[q++];
+  size_t count = 0;
+  for (size_t k = 0; k < c->found; k++)
+    if (least_on(&near[k], part) < (1 + HK_BARRIER_MARGIN) * c->law.distance) named[count++] = near[k].pair;
   return c->host->resize(c->host, &c->named, count);
 }
 
-hk_status hk_barrier_update_names(hk_barrier_contacts *c, double part, const hk_feature_pair *also, size_t also_count,
-                                  bool *changed) {
-  if (tell(c, part) && have_names(c, also, also_count)) return HK_OK;
+hk_status hk_barrier_update_names(hk_barrier_contacts *c, double part, bool *changed) {
+  if (tell(c, part)) return HK_OK;
   *changed = true;
-  hk_status status = name(c, part, also, also_count);
+  hk_status status = name(c, part);
   if (status == HK_OK) tell(c, part);
   return status;
 }

@@ -82,8 +82,27 @@ static bool sweep(hk_contact_solver *s, const sweeping *w) {
   return moved;
 }
 
+/* The impulses that the impacts are given with (warm_start.h). */
+static void apply_given(hk_contact_solver *s, const sweeping *w) {
+  for (size_t e = 0; e < s->count; e++) {
+    hk_impact *k = &s->impact[e];
+    hk_impact_level *level = (hk_impact_level *)(void *)((char *)k + w->level);
+    double given[3];
+    if (!(level->push > 0)) continue;
+    if (!takes_part(k, w)) {
+      level->push = level->slide[0] = level->slide[1] = level->slide[2] = 0;
+      continue;
+    }
+    for (int c = 0; c < 3; c++) given[c] = level->push * k->frame.n[c] + level->slide[c];
+    note(s->touched, k, ++s->now);
+    note(s->moved, k, s->now);
+    apply(k, given, w->inverse_mass, w->y);
+  }
+}
+
 static size_t sweep_all(hk_contact_solver *s, const sweeping *w) {
   size_t sweeps = 1;
+  apply_given(s, w);
   while (sweep(s, w) && sweeps < s->most) sweeps++;
   return sweeps;
 }
