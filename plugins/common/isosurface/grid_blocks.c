@@ -37,7 +37,7 @@ bool hk_block_evaluate(const hk_surface_work *w, size_t number, double value[HK_
   size_t corner[3];
   unsigned wrong = 0;
   hk_block_corner(w, number, corner);
-  evaluate(w, corner, value);
+  w->known ? hk_known_block(w, number, value) : evaluate(w, corner, value);
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(value[k]);
   for (*bad = 0; wrong && hk_value_allowed(value[*bad]);) ++*bad;
   mark_inside(w, corner, value, inside);
@@ -48,6 +48,7 @@ bool hk_block_excluded(const hk_surface_work *w, size_t number) {
   size_t corner[3];
   double low[3], high[3], range[2];
   bool layer = false;
+  if (w->known) return !w->known->visited[number];
   if (!w->field->bounds) return false;
   hk_block_corner(w, number, corner);
   for (int c = 0; c < 3; c++) {
