@@ -3,7 +3,7 @@
 #ifndef HK_FILL_LATTICE_H
 #define HK_FILL_LATTICE_H
 
-#include "plugins/common/isosurface/surface_fill.h"
+#include "plugins/common/isosurface/surface_parts.h"
 
 static const uint32_t hk_fill_none = UINT32_MAX;
 

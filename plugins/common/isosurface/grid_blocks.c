@@ -32,12 +32,30 @@ static void mark_inside(const hk_surface_work *w, const size_t corner[3], const 
   }
 }
 
+size_t hk_known_place(const hk_surface_work *w, const size_t point[3], size_t *block) {
+  size_t at[3];
+  for (int c = 0; c < 3; c++) at[c] = hk_grid_point(w, c, point[c]) + 1;
+  *block = (at[2] / HK_SIDE * w->blocks[1] + at[1] / HK_SIDE) * w->blocks[0] + at[0] / HK_SIDE;
+  return (at[2] % HK_SIDE * HK_SIDE + at[1] % HK_SIDE) * HK_SIDE + at[0] % HK_SIDE;
+}
+
+static void known_block(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS]) {
+  size_t corner[3], block;
+  hk_block_corner(w, number, corner);
+  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
+    size_t point[3] = {corner[0] + k % HK_POINTS, corner[1] + k / HK_POINTS % HK_POINTS,
+                       corner[2] + k / (HK_POINTS * HK_POINTS)};
+    size_t offset = hk_known_place(w, point, &block);
+    value[k] = w->known->value[w->known->slot[block]][offset];
+  }
+}
+
 bool hk_block_evaluate(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS],
                        uint16_t inside[HK_BLOCK_ROWS], size_t *bad) {
   size_t corner[3];
   unsigned wrong = 0;
   hk_block_corner(w, number, corner);
-  w->known ? hk_known_block(w, number, value) : evaluate(w, corner, value);
+  w->known ? known_block(w, number, value) : evaluate(w, corner, value);
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(value[k]);
   for (*bad = 0; wrong && hk_value_allowed(value[*bad]);) ++*bad;
   mark_inside(w, corner, value, inside);

@@ -93,7 +93,9 @@ bool hk_block_evaluate(const hk_surface_work *, size_t number, double value[HK_B
 /* Finds the blocks along the surface and their values, of which the first that is not allowed ends the search (to be
  * found by hk_block_evaluate). */
 hk_status hk_surface_seek(hk_surface_work *);
-void hk_known_block(const hk_surface_work *, size_t number, double value[HK_BLOCK_POINTS]); /* one that was visited */
+/* A point of the lattice among the known values of its block. The layer around the grid has the nearest point of the
+ * grid. */
+size_t hk_known_place(const hk_surface_work *, const size_t point[3], size_t *block);
 /* An array of `count` items, *array, counted in `bytes`; `what` is their name. */
 hk_status hk_surface_allocate(hk_surface_work *, void *array, size_t count, size_t size, const char *what);
 /* The sentence for a value, at a point of the grid, that is not allowed. */

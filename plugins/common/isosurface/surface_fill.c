@@ -1,4 +1,5 @@
 /* Isosurface stuffing in three passes: values and cuts of the lattice, points onto the surface, tetrahedra. */
+#include "plugins/common/isosurface/surface_fill.h"
 #include "plugins/common/isosurface/fill_lattice.h"
 
 void hk_filling_free(hk_filling *f, const hk_host *host) {

@@ -10,12 +10,6 @@
 
 #include "plugins/common/isosurface/surface_parts.h"
 
-typedef struct hk_filling { /* a zeroed one is empty */
-  size_t vertices, tetrahedra;
-  double (*x)[3];             /* vertices x 3, m */
-  uint32_t (*tetrahedron)[4]; /* right-handed: the edges from the first corner have a positive determinant */
-} hk_filling;
-
 /* Replaces the filling. Of the options level, steps and most_bytes count, and the field is evaluated at all corners and
  * centres of cells. A call that fails changes nothing: HK_BAD_PARAM (nothing is inside; a surface that leaves the box,
  * or comes nearer to its faces than half a cell), HK_NOT_FINITE, HK_NO_MEMORY. The field is a function. */

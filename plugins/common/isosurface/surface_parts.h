@@ -57,4 +57,10 @@ typedef struct hk_isosurface { /* a zeroed one is empty */
   uint32_t (*triangle)[3];
 } hk_isosurface;
 
+typedef struct hk_filling { /* a zeroed one is empty */
+  size_t vertices, tetrahedra;
+  double (*x)[3];             /* vertices x 3, m */
+  uint32_t (*tetrahedron)[4]; /* right-handed: the edges from the first corner have a positive determinant */
+} hk_filling;
+
 #endif

@@ -48,14 +48,6 @@ static uint32_t slot_of(search *s, size_t block) {
   return p->slot[block] = (uint32_t)p->count++;
 }
 
-/* A point of the lattice among the values of its block. The layer around the grid has the nearest point of the grid. */
-static size_t locate(const hk_surface_work *w, const size_t point[3], size_t *block) {
-  size_t at[3];
-  for (int c = 0; c < 3; c++) at[c] = hk_grid_point(w, c, point[c]) + 1;
-  *block = (at[2] / HK_SIDE * w->blocks[1] + at[1] / HK_SIDE) * w->blocks[0] + at[0] / HK_SIDE;
-  return (at[2] % HK_SIDE * HK_SIDE + at[1] % HK_SIDE) * HK_SIDE + at[0] % HK_SIDE;
-}
-
 typedef struct unknown {
   size_t count;
   uint32_t slot[BATCH];
@@ -65,7 +57,7 @@ typedef struct unknown {
 
 /* Lists a point of the lattice unless its value is known or listed. */
 static void ask_for(search *s, unknown *u, const size_t point[3]) {
-  size_t block, offset = locate(s->w, point, &block);
+  size_t block, offset = hk_known_place(s->w, point, &block);
   uint32_t slot = slot_of(s, block);
   if (slot == hk_no_slot) return;
   uint64_t *word = &s->known->is_known[slot][offset / 64], bit = 1ULL << offset % 64;
@@ -94,17 +86,6 @@ static void fill_block(search *s, size_t number) {
     ask_for(s, &u, point);
   }
   answer(s, &u);
-}
-
-void hk_known_block(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS]) {
-  size_t corner[3], block;
-  hk_block_corner(w, number, corner);
-  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
-    size_t point[3] = {corner[0] + k % HK_POINTS, corner[1] + k / HK_POINTS % HK_POINTS,
-                       corner[2] + k / (HK_POINTS * HK_POINTS)};
-    size_t offset = locate(w, point, &block);
-    value[k] = w->known->value[w->known->slot[block]][offset];
-  }
 }
 
 /* ---- along the surface ---- */
@@ -182,7 +163,7 @@ static hk_status evaluate_coarse(search *s) {
 
 static bool is_inside(search *s, const size_t point[3]) {
   unknown u;
-  size_t block, offset = locate(s->w, point, &block);
+  size_t block, offset = hk_known_place(s->w, point, &block);
   u.count = 0;
   ask_for(s, &u, point);
   answer(s, &u);

@@ -122,8 +122,8 @@ static void refused(counted s, hk_isosurface_options options, hk_status expected
 
 static void what_cannot_be_is_said(void **state) {
   (void)state;
-  counted tiny = {.place = {0.03, 0.07, 0.11}, .radius = 0.01}, holed = ball, far = ball;
-  holed.hole = 0.71, far.hole = 0.71; /* beside the ball, which ends at 0.73; coarse points are at 0.6, 0.8 */
+  counted tiny = {.place = {0.03, 0.07, 0.11}, .radius = 0.01}, holed = ball;
+  holed.hole = 0.71; /* beside the ball, which ends at 0.73; coarse points are at 0.6, 0.8 */
   refused(tiny, (hk_isosurface_options){.coarse = 4}, HK_BAD_PARAM, "on every point 4 and the level 0");
   refused(holed, (hk_isosurface_options){.coarse = 4}, HK_NOT_FINITE, "the field is nan at (0.8, ");
   refused(ball, (hk_isosurface_options){.coarse = 4, .most_bytes = 1000}, HK_NO_MEMORY, "and 0.001 MB are allowed");
