@@ -7,6 +7,14 @@
 
 static void evaluate(const hk_surface_work *w, const size_t corner[3], double *value) {
   double place[HK_BLOCK_POINTS][3];
+  if (w->field->lattice) {
+    double axis[3][HK_POINTS];
+    for (size_t k = 0; k < 3 * HK_POINTS; k++)
+      axis[k / HK_POINTS][k % HK_POINTS] =
+          hk_point_place(w, (int)(k / HK_POINTS), corner[k / HK_POINTS] + k % HK_POINTS);
+    w->field->lattice(w->field->self, axis[0], axis[1], axis[2], value);
+    return;
+  }
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
     place[k][0] = hk_point_place(w, 0, corner[0] + k % HK_POINTS);
     place[k][1] = hk_point_place(w, 1, corner[1] + k / HK_POINTS % HK_POINTS);

@@ -18,6 +18,9 @@ typedef struct hk_isosurface_field { /* `values` or `evaluate`; f is finite, at 
    * the surface are not evaluated then. Bounds that cut off a surface next to a block that was evaluated are refused.
    */
   void (*bounds)(const void *self, const double low[3], const double high[3], double range[2]);
+  /* Optional, beside `evaluate`: f at 9 x 9 x 9 places (x[i], y[j], z[k]), value[(9 k + j) 9 + i], in its stead for the
+   * points of the grid, where many at once cost less. */
+  void (*lattice)(const void *self, const double x[9], const double y[9], const double z[9], double value[729]);
   const void *self;
 } hk_isosurface_field;
 
