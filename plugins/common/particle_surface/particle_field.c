@@ -6,6 +6,23 @@ enum { SIDE = 8 };
 
 static const double most_cells = 1e8, wider = 1 + 1e-9; /* of an axis; of a reach, so that rounding leaves none out */
 
+static hk_status check(hk_particle_field *f) {
+  hk_particle_surface_options *o = &f->o;
+  if (!(o->radius > 0 && o->radius <= 1e100))
+    return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: a radius of %g m: give one above 0", o->radius);
+  if (o->reach == 0) o->reach = 4 * o->radius;
+  if (o->cell == 0) o->cell = o->radius / 2;
+  if (o->threshold == 0) o->threshold = 0.6;
+  if (!(o->reach >= o->radius && o->reach <= 1e100 && o->cell > 0 && o->cell <= o->reach))
+    return f->host->fail(
+        f->host, HK_BAD_PARAM,
+        "surface of particles: a reach of %g m and cells of %g m beside a radius of %g m: the reach is "
+        "no less than the radius, and cells are no larger than the reach",
+        o->reach, o->cell, o->radius);
+  if (f->n == 0) return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: there are none");
+  return HK_OK;
+}
+
 static hk_status choose_grid(hk_particle_field *f) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, h = f->o.cell;
   for (size_t i = 0; i < f->n; i++)
@@ -98,7 +115,8 @@ static hk_status list_particles(hk_particle_field *f) {
 }
 
 hk_status hk_particle_field_open(hk_particle_field *f) {
-  hk_status status = choose_grid(f);
+  hk_status status = check(f);
+  if (status == HK_OK) status = choose_grid(f);
   return status == HK_OK ? list_particles(f) : status;
 }
 

@@ -4,20 +4,20 @@
 #ifndef HK_PARTICLE_FIELD_H
 #define HK_PARTICLE_FIELD_H
 
-#include "plugins/common/particle_surface/particle_surface.h"
+#include "plugins/common/particle_surface/particle_options.h"
 
 typedef struct hk_particle_field {
   const hk_host *host;
   const double (*x)[3];
   size_t n;
-  hk_particle_surface_options o; /* with what was left out filled in */
+  hk_particle_surface_options o; /* what is left out is filled in by hk_particle_field_open */
   hk_isosurface_grid grid;
   size_t blocks[3];
   size_t *start;  /* blocks + 1 */
   uint32_t *list; /* start[blocks]: of block b those from start[b] to start[b + 1] - 1, rising */
 } hk_particle_field;
 
-/* Chooses the grid and makes the lists. */
+/* Checks the options, chooses the grid and makes the lists. To be closed also after a failure. */
 hk_status hk_particle_field_open(hk_particle_field *);
 void hk_particle_field_close(hk_particle_field *);
 size_t hk_particle_field_block(const hk_particle_field *, const double x[3]); /* the first that holds a place */

@@ -1,4 +1,5 @@
 /* The surface of particles: their field on the blocks that any of them reaches, marched. */
+#include "plugins/common/particle_surface/particle_surface.h"
 #include "plugins/common/isosurface/isosurface.h"
 #include "plugins/common/particle_surface/particle_field.h"
 
@@ -12,23 +13,6 @@ static void bounds(const void *self, const double low[3], const double high[3], 
   range[0] = -INFINITY, range[1] = reached ? INFINITY : -INFINITY;
 }
 
-static hk_status check(hk_particle_field *f) {
-  hk_particle_surface_options *o = &f->o;
-  if (!(o->radius > 0 && o->radius <= 1e100))
-    return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: a radius of %g m: give one above 0", o->radius);
-  if (o->reach == 0) o->reach = 4 * o->radius;
-  if (o->cell == 0) o->cell = o->radius / 2;
-  if (o->threshold == 0) o->threshold = 0.6;
-  if (!(o->reach >= o->radius && o->reach <= 1e100 && o->cell > 0 && o->cell <= o->reach))
-    return f->host->fail(
-        f->host, HK_BAD_PARAM,
-        "surface of particles: a reach of %g m and cells of %g m beside a radius of %g m: the reach is "
-        "no less than the radius, and cells are no larger than the reach",
-        o->reach, o->cell, o->radius);
-  if (f->n == 0) return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: there are none");
-  return HK_OK;
-}
-
 hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, const double (*x)[3], size_t n,
                                    const hk_particle_surface_options *options) {
   hk_particle_field f = {.host = host, .x = x, .n = n, .o = *options};
@@ -38,8 +22,7 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
                              .margin = 1e-3,
                              .without_normals = options->without_normals,
                              .most_bytes = options->most_bytes};
-  hk_status status = check(&f);
-  if (status == HK_OK) status = hk_particle_field_open(&f);
+  hk_status status = hk_particle_field_open(&f);
   if (status == HK_OK) status = hk_isosurface_find(surface, host, &f.grid, &field, &o);
   hk_particle_field_close(&f);
   return status;

@@ -10,20 +10,7 @@
 #ifndef HK_PARTICLE_SURFACE_H
 #define HK_PARTICLE_SURFACE_H
 
-#include "plugins/common/isosurface/surface_parts.h"
-
-typedef enum hk_particle_field_kind { HK_ZHU_BRIDSON, HK_PARTICLE_DENSITY } hk_particle_field_kind;
-
-typedef struct hk_particle_surface_options {
-  hk_particle_field_kind kind;
-  double radius;    /* m: half the distance of neighbours in a full liquid */
-  double reach;     /* m; 0: 4 radius */
-  double cell;      /* m; 0: radius / 2 */
-  double threshold; /* of the density; 0: 0.6 */
-  hk_isosurface_method method;
-  bool without_normals;
-  size_t most_bytes; /* an error before more than this is allocated; 0: no limit */
-} hk_particle_surface_options;
+#include "plugins/common/particle_surface/particle_options.h"
 
 /* Replaces the surface; particles at x, n x 3, m. A call that fails changes nothing: HK_BAD_PARAM (no radius; no
  * particles; too many cells; nothing that reaches the threshold), HK_NOT_FINITE (the place of a particle),

@@ -46,7 +46,8 @@ static void near(double found, double expected, double within) {
 
 static double ball_with(const char *more, const char *expression) {
   char body[512];
-  snprintf(body, sizeof body, "local b = scene:implicit { %s, %s }", ball, more);
+  snprintf(body, sizeof body,
+           "local b = scene:implicit { %s, %s }\nlocal low = scene:within({ -2, -2, -2 }, { 2, 2, -0.5 })", ball, more);
   return measured(body, expression);
 }
 
@@ -106,6 +107,19 @@ static void a_wall_closes_what_leaves_the_box(void **state) {
        0.5, 0.07);
 }
 
+/* The particles of a layer of a solid, all of them and no others. */
+static void particles_in_a_box_are_found(void **state) {
+  (void)state;
+  near(ball_with(
+           "as = 'solid', density = 1000",
+           "(function() local n = 0 for _, i in ipairs(low) do if s:position(i)[3] "
+           "> -0.5 then n = n + 1000 end end for _, i in ipairs(b:ids()) do if s:position(i)[3] <= -0.5 then n = n "
+           "+ 1 end end return n - #low end)()"),
+       0, 0);
+  test_refused("local scene = hooke.scene { duration = 0 }\nscene:within({ 0, 0, 1 }, { 1, 1, 0 })\n", "", 1,
+               "within: from 1 m to 0 m along z: the first corner has to be the lower one");
+}
+
 static void refused(const char *body, const char *text) {
   char scene[1024];
   snprintf(scene, sizeof scene, "local scene = hooke.scene { duration = 0 }\nscene:implicit { %s }\nreturn scene\n",
@@ -117,7 +131,8 @@ static void refused(const char *body, const char *text) {
 
 static void functions_that_give_no_value_are_named(void **state) {
   (void)state;
-  refused("f = function(x, y, z) return x > 0.45 and 0/0 or 0.5 - x*x end, " BOX, "implicit: f gives nan at (0.5, -1, -1)");
+  refused("f = function(x, y, z) return x > 0.45 and 0/0 or 0.5 - x*x end, " BOX,
+          "implicit: f gives nan at (0.5, -1, -1)");
   refused("f = function(x, y, z) end, " BOX, "implicit: f gives nothing at (-1, -1, -1): it has to return a number");
   refused("f = function(x, y, z) return x.y end, " BOX, "f at (-1, -1, -1): bad.lua:2: attempt to index");
   refused("f = function(x, y, z) while true do end end, " BOX, "is there an endless loop?");
@@ -160,6 +175,7 @@ int main(void) {
                                      cmocka_unit_test(a_function_is_called_near_the_surface),
                                      cmocka_unit_test(a_solid_is_filled),
                                      cmocka_unit_test(metaballs_and_joined_shapes),
+                                     cmocka_unit_test(particles_in_a_box_are_found),
                                      cmocka_unit_test(a_wall_closes_what_leaves_the_box),
                                      cmocka_unit_test(functions_that_give_no_value_are_named),
                                      cmocka_unit_test(surfaces_that_are_not_there_are_said),

@@ -1,6 +1,7 @@
 /* Surfaces of particles against closed forms: one particle, a ball of a lattice, a full lattice's density; the same
  * bits for any number of threads and width of vectors; and a sentence for each thing that cannot be. */
 #include "plugins/common/particle_surface/particle_field.h"
+#include "plugins/common/particle_surface/particle_surface.h"
 #include "tests/plugins/common/isosurface/balls.h"
 
 enum { MOST = 40000 };
