@@ -84,21 +84,23 @@ static void visit(hk_particle_field *f, uint32_t i, size_t *next) {
     }
 }
 
-static hk_status allocate(const hk_particle_field *f, size_t bytes, void **memory) {
-  *memory = f->o.most_bytes == 0 || bytes <= f->o.most_bytes ? f->host->allocate(f->host, bytes) : NULL;
+/* NULL beyond the limit, or what an address can hold. */
+static hk_status allocate(const hk_particle_field *f, double count, size_t size, void **memory) {
+  double most = f->o.most_bytes ? (double)f->o.most_bytes : 1e12;
+  *memory = count * (double)size <= most ? f->host->allocate(f->host, (size_t)count * size) : NULL;
   if (*memory) return HK_OK;
   return f->host->fail(f->host, HK_NO_MEMORY,
                        "surface of particles: no memory for the particles of %zu x %zu x %zu blocks (%.3g MB): take "
                        "larger cells, or leave out what has flown away",
-                       f->blocks[0], f->blocks[1], f->blocks[2], 1e-6 * (double)bytes);
+                       f->blocks[0], f->blocks[1], f->blocks[2], 1e-6 * count * (double)size);
 }
 
 /* start[b + 1] counts, then is where block b begins, then, when all are listed, where it ends. */
 static hk_status list_particles(hk_particle_field *f) {
+  double all = (double)f->blocks[0] * (double)f->blocks[1] * (double)f->blocks[2];
   size_t blocks = f->blocks[0] * f->blocks[1] * f->blocks[2], sum = 0;
   void *memory;
-  if ((double)f->blocks[0] * (double)f->blocks[1] * (double)f->blocks[2] > 1e10) blocks = SIZE_MAX / 16;
-  hk_status status = allocate(f, (blocks + 2) * sizeof *f->start, &memory);
+  hk_status status = allocate(f, all + 2, sizeof *f->start, &memory);
   if (status != HK_OK) return status;
   f->start = memory;
   for (size_t i = 0; i < f->n; i++) visit(f, (uint32_t)i, f->start + 1);
@@ -107,7 +109,7 @@ static hk_status list_particles(hk_particle_field *f) {
     f->start[b + 1] = sum;
     sum += count;
   }
-  status = allocate(f, (sum + 1) * sizeof *f->list, &memory);
+  status = allocate(f, (double)sum + 1, sizeof *f->list, &memory);
   if (status != HK_OK) return status;
   f->list = memory;
   for (size_t i = 0; i < f->n; i++) visit(f, (uint32_t)i, f->start + 1);
