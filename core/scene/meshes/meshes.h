@@ -87,4 +87,17 @@ void hk_implicit_bounds(const hk_implicit_shape *, const double low[3], const do
 /* A box outside of which the shape has no inside; false: there is none, as a function may be inside anywhere. */
 bool hk_implicit_box(const hk_implicit_shape *, double low[3], double high[3]);
 
+/* ---- boxed_shape.c ---- */
+
+/* A shape closed along the faces of a box: what of it is in the box, by the smaller of its value and the distance from
+ * the faces, m. The shape is asked for within the box only. */
+typedef struct hk_boxed_shape {
+  const hk_implicit_shape *shape;
+  double low[3], high[3]; /* m */
+} hk_boxed_shape;
+
+void hk_boxed_shape_evaluate(const void *boxed, const double (*x)[3], size_t count, double *value);
+/* Of one whose shape has no function. */
+void hk_boxed_shape_bounds(const void *boxed, const double low[3], const double high[3], double range[2]);
+
 #endif

@@ -94,6 +94,28 @@ static void bounds_hold_in_any_box(void **state) {
   }
 }
 
+/* Blobs in a box: below 0 beyond it, the distance from a face deep inside, and bounds that hold. */
+static void a_box_closes_a_shape(void **state) {
+  (void)state;
+  uint64_t seed = 21;
+  hk_blob blob[5];
+  hk_implicit_shape s = some_blobs(blob, 5, &seed);
+  hk_boxed_shape boxed = {&s, {-0.6, -0.5, -0.4}, {0.5, 0.6, 0.7}};
+  for (int trial = 0; trial < 2000; trial++) {
+    double x[1][3], low[3], high[3], range[2], value[1];
+    for (int c = 0; c < 3; c++) {
+      x[0][c] = 2 * draw(&seed) - 1;
+      low[c] = x[0][c] - 0.3 * draw(&seed), high[c] = x[0][c] + 0.3 * draw(&seed);
+    }
+    double face = INFINITY;
+    for (int c = 0; c < 3; c++) face = fmin(face, fmin(x[0][c] - boxed.low[c], boxed.high[c] - x[0][c]));
+    hk_boxed_shape_evaluate(&boxed, (const double(*)[3])x, 1, value);
+    hk_boxed_shape_bounds(&boxed, low, high, range);
+    assert_true(value[0] == (face < 0 ? face : fmin(face, at(&s, x[0][0], x[0][1], x[0][2]))));
+    assert_true(value[0] >= range[0] && value[0] <= range[1]);
+  }
+}
+
 /* Many places at once: the blobs that a batch leaves out have no part in it. */
 static void many_places_have_the_values_of_each(void **state) {
   (void)state;
@@ -122,9 +144,11 @@ static void a_union_that_has_no_end_has_no_box(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_blob_by_itself_is_a_ball_of_its_radius), cmocka_unit_test(parts_are_joined_as_their_names_say),
-      cmocka_unit_test(bounds_hold_in_any_box), cmocka_unit_test(many_places_have_the_values_of_each),
-      cmocka_unit_test(a_union_that_has_no_end_has_no_box)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_blob_by_itself_is_a_ball_of_its_radius),
+                                     cmocka_unit_test(parts_are_joined_as_their_names_say),
+                                     cmocka_unit_test(bounds_hold_in_any_box),
+                                     cmocka_unit_test(a_box_closes_a_shape),
+                                     cmocka_unit_test(many_places_have_the_values_of_each),
+                                     cmocka_unit_test(a_union_that_has_no_end_has_no_box)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
