@@ -181,8 +181,9 @@ void hk_block_triangles(const hk_surface_work *w, size_t slot) {
       continue;
     }
     const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, row, cell[0])];
+    uint32_t number[64];
+    for (unsigned e = 0; e < c->edges; e++) number[c->used[e]] = vertex(&n, cell[0], cell[1], cell[2], c->used[e]);
     for (unsigned t = 0; t < c->triangles; t++, triangle++)
-      for (int corner = 0; corner < 3; corner++)
-        (*triangle)[corner] = vertex(&n, cell[0], cell[1], cell[2], c->edge[t][corner]);
+      for (int corner = 0; corner < 3; corner++) (*triangle)[corner] = number[c->edge[t][corner]];
   }
 }
