@@ -15,6 +15,14 @@ local function parser()
   p:option("--from-frame", "the first, counted from 1"):convert(command_line.whole("--from-frame")):default(1)
   p:option("--to-frame", "the last"):convert(command_line.whole("--to-frame"))
   p:option("--ids", "csv: ids of the particles, 1,2,5 (all)")
+  p:option("--isosurface", "ply, obj, vtk: the surface of the particles that are in no edge or triangle, in their stead;"
+    .. " m, their radius, half the distance of neighbours"):convert(command_line.number("--isosurface"))
+  p:option("--cell", "of the surface, m: of the grid (half the radius)"):convert(command_line.number("--cell"))
+  p:option("--reach", "of the surface, m: how far a particle is felt (four radii)"):convert(command_line.number("--reach"))
+  p:option("--field", "of the surface: zhu_bridson (smooth; a single particle is a ball) or density")
+    :choices({ "zhu_bridson", "density" }):default("zhu_bridson")
+  p:option("--method", "of the surface: tetrahedra, or cubes, with a third of the triangles")
+    :choices({ "tetrahedra", "cubes" }):default("tetrahedra")
   p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
   return p
 end
@@ -72,12 +80,18 @@ end
 -- What was written, in words.
 local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdmf and .h5", vtkhdf = "%s.h5 and .xdmf" }
 
+-- How the surface of particles is asked for; nil: it is not.
+local function surface_of(o)
+  if not o.isosurface then return nil end
+  return { radius = o.isosurface, cell = o.cell, reach = o.reach, density = o.field == "density", cubes = o.method == "cubes" }
+end
+
 -- Writes it -> number of frames; or nil and the reason.
 local function convert(c, o, base)
   if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
   if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
   if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single) end
-  return c:sequence(o.to, base)
+  return c:sequence(o.to, base, surface_of(o))
 end
 
 local o = command_line.parse("convert", parser())
@@ -87,6 +101,10 @@ if o.ids then
   if o.to ~= "csv" then return complain("--ids is for --to csv") end
   o.ids, why = ids_of(o.ids)
   if not o.ids then return complain(why) end
+end
+if o.isosurface and not is_sequence(o.to) then return complain("--isosurface is for --to ply, obj or vtk") end
+if not o.isosurface and (o.cell or o.reach or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
+  return complain("--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
 end
 local fine, conversion = pcall(require, "conversion")
 if not fine then return complain("this hooke is built without HDF5: tools/install-deps run gets it; then make again") end

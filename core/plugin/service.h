@@ -114,4 +114,37 @@ typedef struct hk_octrees {
                     hk_octree *tree);
 } hk_octrees;
 
+/* ---- "isosurface/1" --------------------------------------------------------------------------------------------- */
+
+/* The surface where a function f(x, y, z) falls through a level, as triangles, or what it holds, as tetrahedra. The
+ * host asks for it while a script is read, without particles. */
+typedef struct hk_implicit_request {
+  /* f at `count` places of the box, from several threads where the host has them; the same bits for the same place. */
+  void (*evaluate)(const void *self, const double (*x)[3], size_t count, double *value);
+  /* range[0] <= f <= range[1] in the whole box from low to high, for functions that know; NULL: the function costs much
+   * and is asked at every point `coarse` of the grid (1 or more) and from there along the surface. */
+  void (*bounds)(const void *self, const double low[3], const double high[3], double range[2]);
+  const void *self;
+  double low[3], high[3]; /* m: the box that is searched */
+  double cell;            /* m: cells are as large, or less, so that a whole number of them fills the box */
+  bool cubes;             /* by marching cubes; else by marching tetrahedra, with about three times the triangles */
+  bool close;             /* a surface that leaves the box is closed along its faces, else it is an error */
+  bool solid;             /* tetrahedra that fill the surface, and no triangles; cubes and close do not count */
+  unsigned coarse;
+  size_t most_bytes; /* an error before more than this is allocated; 0: no limit */
+} hk_implicit_request;
+
+typedef struct hk_implicit_mesh { /* valid until the next call; inside is where f >= 0 */
+  size_t vertices, triangles, tetrahedra;
+  const double (*x)[3];             /* vertices x 3, m, where f = 0 to some 1e-6 of a cell */
+  const uint32_t (*triangle)[3];    /* from 0, counterclockwise from outside */
+  const uint32_t (*tetrahedron)[4]; /* from 0; the edges from the first corner are right-handed */
+} hk_implicit_mesh;
+
+typedef struct hk_isosurfaces {
+  void *self;
+  /* HK_BAD_PARAM (no surface, one that leaves the box, a cell that is none), HK_NOT_FINITE, HK_FAILED, HK_NO_MEMORY. */
+  hk_status (*find)(void *self, const hk_implicit_request *, hk_implicit_mesh *);
+} hk_isosurfaces;
+
 #endif

@@ -5,13 +5,14 @@
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
 #include "plugins/common/obstacles/obstacles_service.h"
+#include "plugins/common/particle_surface/view_surface.h"
 
 #include <string.h>
 
 typedef struct frames {
   int64_t width, height, every, sheet;
   hk_appearance_names names;
-  const char *unit, *folder, *video_file, *views;
+  const char *unit, *folder, *video_file, *views, *surface_of;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
       background[3], plain[3];
   hk_numbers range, keyframes, cameras;
@@ -19,11 +20,13 @@ typedef struct frames {
   hk_frame_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
+  double surface_radius, surface_cell, surface_reach;
   bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
   hk_film film;
+  hk_view_surface surface;
   bool changed;         /* the topology may have changed since the last picture */
   double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
   double last;          /* s, time of the frame before */
@@ -109,6 +112,17 @@ static const hk_param params[] = {
      .numbers = HK_AT(frames, solids.boxes), .flags = HK_OPTIONAL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      .numbers = HK_AT(frames, solids.planes), .flags = HK_OPTIONAL},
+    {"surface", "m",
+     "draw the surface of a liquid (Zhu and Bridson 2005) in the stead of its particles: their radius, half the "
+     "distance "
+     "of neighbours; left out: there is none",
+     .number = HK_AT(frames, surface_radius), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_of", "", "group of the liquid's particles; left out: all that are in no edge, triangle or element",
+     .string = HK_AT(frames, surface_of)},
+    {"surface_cell", "m", "cells of the surface's grid; left out: half the radius",
+     .number = HK_AT(frames, surface_cell), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_reach", "m", "how far a particle is felt; left out: four radii", .number = HK_AT(frames, surface_reach),
+     .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -201,6 +215,22 @@ static void make_plan(frames *f, double t) {
   plan_light(f);
 }
 
+/* Without particles, which are in the liquid, where the script does not ask for them. */
+static hk_status choose_surface(frames *f, const hk_model *m) {
+  bool there = !isnan(f->surface_radius), more = f->surface_of || !isnan(f->surface_cell) || !isnan(f->surface_reach);
+  if (!there && more)
+    return f->host->fail(f->host, HK_BAD_PARAM,
+                         "surface: it is required beside surface_of, surface_cell and surface_reach: the radius of the "
+                         "liquid's particles, m");
+  if (!there) return HK_OK;
+  f->surface.options = (hk_particle_surface_options){.radius = f->surface_radius,
+                                                     .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
+                                                     .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};
+  f->film.liquid = &f->surface.solid;
+  if (f->particles == 0) f->film.appearance.particles = 2; /* none */
+  return hk_view_surface_choose(&f->surface, f->host, m, f->surface_of);
+}
+
 static hk_status choose_look(frames *f, const hk_model *m) {
   hk_appearance *appearance = &f->film.appearance;
   appearance->springs = f->springs, appearance->particles = f->particles;
@@ -215,7 +245,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   if (status == HK_OK && one_size && appearance->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
                          names.size);
-  return status;
+  return status == HK_OK ? choose_surface(f, m) : status;
 }
 
 /* A quick look is at half the size, whose width and height are even, as films want it. */
@@ -301,7 +331,8 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   note_births(f, view, (f->last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
   place_camera(f, view->t);
-  hk_status status = hk_film_add(&f->film, view, f->birth, f->changed);
+  hk_status status = f->film.liquid ? hk_view_surface_take(&f->surface, view, f->up == Y_UP) : HK_OK;
+  if (status == HK_OK) status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;
 }
@@ -311,13 +342,14 @@ static hk_status close(void *self, hk_verdict verdict) {
   frames *f = self;
   hk_status status = hk_film_finish(&f->film, verdict);
   hk_film_free(&f->film); /* some hundred megabytes that a run may outlive */
+  hk_view_surface_free(&f->surface, f->host);
   return status;
 }
 
 static void destroy(void *self, const hk_host *host) {
   frames *f = self;
-  (void)host;
   hk_film_free(&f->film);
+  hk_view_surface_free(&f->surface, host);
 }
 
 static hk_status topology(void *self, const hk_view *view) {

@@ -101,6 +101,35 @@ function made.mesh()
   return ("h = s:mesh %s\ne = h:flexion()"):format(braces(list))
 end
 
+local function blobs()
+  local list = {}
+  for k = 1, math.random(0, 3) do
+    list[k] = ("{ %s, %s, %s, radius = %s }"):format(values.number(-1, 1), values.number(-1, 1), values.number(-1, 1),
+      values.number(0.1, 1))
+  end
+  return ("{ %s }"):format(table.concat(list, ", "))
+end
+
+function made.implicit()
+  local list, parts = { "size = " .. values.number(0.2, 0.6) }, { ("{ blobs = %s }"):format(blobs()),
+    "{ f = function(x, y, z) return 1 - x*x - y*y - z*z end }", values.strange() }
+  field(list, "f", values.or_strange(pick { "function(x, y, z) return 1 - x*x - y*y - z*z end", "function(x) return x end",
+    "function() return s end", "function(x) return s:particle {} end", "function() end", "print" }), 0.4)
+  field(list, "blobs", values.or_strange(blobs()), 0.4)
+  field(list, pick { "union", "intersection", "difference" }, ("{ %s, %s }"):format(pick(parts), pick(parts)), 0.3)
+  field(list, "level", values.number(-1, 1), 0.2)
+  field(list, "inside", values.or_strange(pick { "'above'", "'below'" }), 0.2)
+  field(list, "blend", values.number(0, 1), 0.1)
+  field(list, "box", values.or_strange(("{ %s, %s }"):format(values.vector(2), values.vector(2))), 0.3)
+  field(list, "box", "{ { -2, -2, -2 }, { 2, 2, 2 } }", 0.5)
+  field(list, "as", values.or_strange(pick { "'body'", "'solid'", "'surface'" }), 0.5)
+  field(list, "method", values.or_strange(pick { "'cubes'", "'tetrahedra'" }), 0.3)
+  field(list, "close", values.or_strange("true"), 0.3)
+  field(list, "coarse", values.whole(0, 9), 0.2)
+  field(list, "mass", values.number(0.1, 2), 0.5)
+  return ("h = s:implicit %s\nr = s:within(%s, %s)"):format(braces(list), values.vector(2), values.vector(2))
+end
+
 function made.plugin()
   local kind = pick(kinds)
   local plugin = pick(plugins[chance(0.97) and kind or pick(kinds)])
@@ -200,7 +229,7 @@ end
 local likely = { "particle", "particle", "particles", "grid", "grid", "strand", "plugin", "plugin", "plugin", "plugin", "plugin",
   "plugin", "plugin", "plugin", "plugin", "pin", "pin", "channel", "measure", "measure", "on_frame", "exact", "start", "run",
     "parameter",
-  "handle", "edges", "odd", "mesh", "scene", "periodic" }
+  "handle", "edges", "odd", "mesh", "implicit", "scene", "periodic" }
 
 -- ---- a script ----
 

@@ -1,7 +1,8 @@
 -- Every plugin is used: a force, constraint, corrector, source, integrator or solver is named by a scene of
 -- scripts/scenes (or by what scenes share, scripts/lib), a problem of scripts/validation or a hard case of tests/hard; an
--- output by one of these or by a command; a service is asked for by another plugin. The methods of the classic papers
--- on cloth are named by a scene and by a problem. The folders are the lists. The search is first run on planted lines.
+-- output by one of these or by a command; a service is asked for by another plugin, or by a builder of scenes. The
+-- methods of the classic papers on cloth are named by a scene and by a problem. The folders are the lists. The search is
+-- first run on planted lines.
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 local files = require("files")
@@ -11,7 +12,7 @@ local scripts = { "scripts/scenes", "scripts/lib", "scripts/validation", "tests/
 local places = { forces = scripts, constraints = scripts, correctors = scripts, sources = scripts, integrators = scripts,
   solvers = scripts, outputs = { "scripts/scenes", "tests/hard", "tools" },
   services = { "plugins/forces", "plugins/constraints", "plugins/correctors", "plugins/integrators", "plugins/outputs",
-    "plugins/common" } }
+    "plugins/common", "core/app/builders" } }
 
 -- Desbrun, Schroeder and Barr 1999; Baraff and Witkin 1998; Provot 1995; Bridson, Fedkiw and Anderson 2002; Baraff, Witkin
 -- and Kass 2003.

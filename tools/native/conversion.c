@@ -4,7 +4,9 @@
 #include "tools/native/formats/csv.h"
 #include "tools/native/formats/formats.h"
 #include "tools/native/formats/pc2.h"
+#include "tools/native/common/tool_host.h"
 #include "plugins/common/frame_data/gatherer.h"
+#include "plugins/common/particle_surface/surface_frame.h"
 
 #include <lauxlib.h>
 #include <lua.h>
@@ -92,22 +94,61 @@ static bool cannot_write(conversion *c, const char *path, const char *why) {
   return false;
 }
 
-/* c:sequence(format, folder): files 000000.FORMAT and so on -> number of files; or nil, reason */
+/* ---- surfaces of particles ---- */
+
+static double number_at(lua_State *L, int table, const char *key) {
+  lua_getfield(L, table, key);
+  double value = lua_tonumber(L, -1);
+  lua_pop(L, 1);
+  return value;
+}
+
+/* { radius =, reach =, cell =, threshold =, density = true, cubes = true }; false: none is asked for. */
+static bool read_surface(lua_State *L, int table, hk_particle_surface_options *o) {
+  if (!lua_istable(L, table)) return false;
+  *o = (hk_particle_surface_options){.radius = number_at(L, table, "radius"),
+                                     .reach = number_at(L, table, "reach"),
+                                     .cell = number_at(L, table, "cell")};
+  lua_getfield(L, table, "density");
+  o->kind = lua_toboolean(L, -1) ? HK_PARTICLE_DENSITY : HK_ZHU_BRIDSON;
+  lua_getfield(L, table, "cubes");
+  o->method = lua_toboolean(L, -1) ? HK_MARCHING_CUBES : HK_MARCHING_TETRAHEDRA;
+  lua_pop(L, 2);
+  return true;
+}
+
+/* The frame that was read, with the surface of its loose particles in their stead. */
+static bool make_surface(conversion *c, const hk_host *host, hk_tool_host *holder, hk_surface_frame *frame,
+                         const hk_particle_surface_options *o) {
+  if (hk_surface_frame_make(frame, host, &c->gatherer.data, o) == HK_OK) return true;
+  snprintf(c->why, sizeof c->why, "at t = %g s: %.400s", c->gatherer.data.t, holder->error.text);
+  return false;
+}
+
+/* c:sequence(format, folder, surface): files 000000.FORMAT and so on, with a table `surface` those of frames in which
+ * the surface of loose particles stands for these -> number of files; or nil, reason */
 static int sequence(lua_State *L) {
   static const hk_sequence_format *const formats[] = {&hk_sequence_ply, &hk_sequence_obj, &hk_sequence_vtk};
   static const char *const names[] = {"ply", "obj", "vtk", NULL};
   conversion *c = at(L);
   const hk_sequence_format *format = formats[luaL_checkoption(L, 2, NULL, names)];
   const char *folder = luaL_checkstring(L, 3);
+  hk_particle_surface_options options;
+  hk_tool_host holder = {.plugin = {.kind = HK_SERVICE}};
+  hk_surface_frame surface = {.data = {0}};
+  const hk_host *host = read_surface(L, 4, &options) ? hk_tool_host_open(&holder, "--isosurface") : NULL;
   lua_Integer written = 0;
-  bool fine = true;
+  bool fine = host || !lua_istable(L, 4);
+  if (!fine) snprintf(c->why, sizeof c->why, "no memory, or no threads");
   for (size_t k = c->from; k <= c->to && fine; k += c->every) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
-    fine = shoot(c, k);
-    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why)) fine = cannot_write(c, path, why);
+    fine = shoot(c, k) && (!host || make_surface(c, host, &holder, &surface, &options));
+    const hk_frame_data *data = host ? &surface.data : &c->gatherer.data;
+    if (fine && !hk_sequence_write(format, data, path, why, sizeof why)) fine = cannot_write(c, path, why);
     written += fine;
   }
+  hk_tool_host_close(&holder);
   return answer(L, c, fine, written);
 }
 

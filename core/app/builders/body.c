@@ -5,6 +5,7 @@
 #include "core/app/builders/mesh_handle.h"
 #include "core/engine/text/text.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const double default_detail = 1e-3, least_detail = 1e-6, most_detail = 0.2;
@@ -94,9 +95,9 @@ static const struct shape *read_shape(lua_State *L) {
 
 /* ---- where it is, and how it moves ---- */
 
-static void put_in_place(lua_State *L, hk_mesh *m, const double position[3]) {
+static void put_in_place(lua_State *L, hk_mesh *m, const char *what, const double position[3]) {
   double turn[3] = {0}, R[9];
-  hk_lua_field_vector(L, 2, "body", "orientation", turn);
+  hk_lua_field_vector(L, 2, what, "orientation", turn);
   hk_rotation(turn, R);
   for (size_t i = 0; i < m->vertices; i++) {
     double *x = m->vertex + 3 * i, at[3];
@@ -105,13 +106,15 @@ static void put_in_place(lua_State *L, hk_mesh *m, const double position[3]) {
   }
 }
 
-static void read_motion(lua_State *L, hk_pin_spec *pin) {
-  bool path = hk_lua_field_function(L, 2, "body", "path", &pin->path);
-  bool rotation = hk_lua_field_function(L, 2, "body", "rotation", &pin->rotation);
+static void read_motion(lua_State *L, const char *what, hk_pin_spec *pin) {
+  bool path = hk_lua_field_function(L, 2, what, "path", &pin->path);
+  bool rotation = hk_lua_field_function(L, 2, what, "rotation", &pin->rotation);
   if (path || rotation) pin->kind = HK_PIN_PATH;
   if (hk_lua_field(L, 2, "fastest") == LUA_TNIL) return;
-  if (pin->kind == HK_PIN_FIXED) hk_lua_fail(L, HK_BAD_PARAM, "body: fastest: it has no path that could change");
-  pin->fastest = hk_lua_fastest(L, "body: fastest");
+  if (pin->kind == HK_PIN_FIXED) hk_lua_fail(L, HK_BAD_PARAM, "%s: fastest: it has no path that could change", what);
+  char text[64];
+  snprintf(text, sizeof text, "%s: fastest", what);
+  pin->fastest = hk_lua_fastest(L, text);
 }
 
 static void hold(lua_State *L, hk_scene *scene, hk_pin_spec *pin, const hk_lua_handle *h) {
@@ -130,36 +133,41 @@ static bool is_free(lua_State *L) {
   return hk_lua_field(L, 2, "mass") != LUA_TNIL || hk_lua_field(L, 2, "density") != LUA_TNIL;
 }
 
-static hk_lua_handle add_particles(lua_State *L, hk_scene *scene, const hk_mesh *m, bool free) {
-  double density = NAN, mass = free ? hk_lua_mass(L, 2, "body", &density) : 0;
-  const double *each = density > 0 ? hk_mesh_push_masses(L, m, "body", density) : NULL;
+static hk_lua_handle add_particles(lua_State *L, hk_scene *scene, const char *what, const hk_mesh *m, bool free) {
+  double density = NAN, mass = free ? hk_lua_mass(L, 2, what, &density) : 0;
+  const double *each = density > 0 ? hk_mesh_push_masses(L, m, what, density) : NULL;
   hk_lua_handle h = {.count = (uint32_t)m->vertices, .nx = (uint32_t)m->vertices, .ny = 1};
-  h.first = hk_lua_add(L, scene, "body", m->vertices, m->vertex, NULL, each, mass / (double)m->vertices,
-                       hk_lua_group(L, scene, 2, "body"));
+  h.first = hk_lua_add(L, scene, what, m->vertices, m->vertex, NULL, each, mass / (double)m->vertices,
+                       hk_lua_group(L, scene, 2, what));
   return h;
+}
+
+void hk_body_enter(lua_State *L, hk_scene *scene, hk_mesh *m, const char *what) {
+  hk_pin_spec pin = {.kind = HK_PIN_FIXED, .release = INFINITY};
+  hk_lua_field_vector(L, 2, what, "position", pin.center);
+  read_motion(L, what, &pin);
+  bool free = is_free(L);
+  if (free && pin.kind == HK_PIN_PATH)
+    hk_lua_fail(L, HK_BAD_PARAM,
+                "%s: one with a mass is free and has no path: leave the mass out, or pin some of its "
+                "particles with scene:pin",
+                what);
+  put_in_place(L, m, what, pin.center);
+  hk_lua_handle h = add_particles(L, scene, what, m, free);
+  if (!free) hold(L, scene, &pin, &h);
+  hk_mesh_enter(L, scene, m, h, free);
 }
 
 int hk_build_body(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
-  hk_pin_spec pin = {.kind = HK_PIN_FIXED, .release = INFINITY};
   hk_lua_check_table(L, 2, "body", "scene:body { ... }");
   lua_settop(L, 2);
   const struct shape *shape = read_shape(L);
   hk_lua_check_keys(L, 2, "body", shape->keys);
-  hk_lua_field_vector(L, 2, "body", "position", pin.center);
-  read_motion(L, &pin);
-  bool free = is_free(L);
-  if (free && pin.kind == HK_PIN_PATH)
-    hk_lua_fail(L, HK_BAD_PARAM,
-                "body: one with a mass is free and has no path: leave the mass out, or pin some of its "
-                "particles with scene:pin");
   lua_settop(L, 2);
   hk_mesh *m = hk_mesh_new(L);
   const char *wrong = shape->add(L, m);
   if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "body: %s: %s", shape->name, wrong);
-  put_in_place(L, m, pin.center);
-  hk_lua_handle h = add_particles(L, scene, m, free);
-  if (!free) hold(L, scene, &pin, &h);
-  hk_mesh_enter(L, scene, m, h, free);
+  hk_body_enter(L, scene, m, "body");
   return 1;
 }

@@ -17,6 +17,7 @@ int hk_build_membrane(lua_State *L);
 int hk_build_block(lua_State *L);
 int hk_build_tetrahedra(lua_State *L);
 int hk_build_surface(lua_State *L);
+int hk_build_implicit(lua_State *L);
 int hk_lua_gust(lua_State *L); /* hooke.gust{} */
 
 /* ---- for builders; errors begin with `what` ---- */

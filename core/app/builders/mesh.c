@@ -97,6 +97,18 @@ static void push_corners(lua_State *L, const hk_mesh *m) {
   }
 }
 
+void hk_mesh_push_numbers(lua_State *L, const hk_mesh *m) {
+  lua_createtable(L, 0, 3);
+  lua_createtable(L, (int)(3 * m->vertices), 0);
+  for (size_t k = 0; k < 3 * m->vertices; k++) {
+    lua_pushnumber(L, m->vertex[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "vertices");
+  push_corners(L, m);
+  lua_setfield(L, -2, "faces");
+}
+
 /* { vertices = { x1, y1, z1, x2, ... }, faces = { three vertices a triangle, from 1 }, file = } */
 int hk_build_surface(lua_State *L) {
   static const char *const keys[] = {"file", "scale", "origin", NULL};
@@ -110,17 +122,10 @@ int hk_build_surface(lua_State *L) {
   hk_mesh_load(L, m, "surface", lua_tostring(L, 3));
   double scale = hk_lua_field_number(L, 2, "surface", "scale", 1), origin[3] = {0};
   hk_lua_field_vector(L, 2, "surface", "origin", origin);
-  lua_createtable(L, 0, 3);
+  for (size_t k = 0; k < 3 * m->vertices; k++) m->vertex[k] = origin[k % 3] + scale * m->vertex[k];
+  hk_mesh_push_numbers(L, m);
   lua_pushvalue(L, 3);
   lua_setfield(L, -2, "file");
-  lua_createtable(L, (int)(3 * m->vertices), 0);
-  for (size_t k = 0; k < 3 * m->vertices; k++) {
-    lua_pushnumber(L, origin[k % 3] + scale * m->vertex[k]);
-    lua_rawseti(L, -2, (lua_Integer)k + 1);
-  }
-  lua_setfield(L, -2, "vertices");
-  push_corners(L, m);
-  lua_setfield(L, -2, "faces");
   hk_mesh_clear(m);
   return 1;
 }

@@ -188,6 +188,11 @@ static int add_solid(lua_State *L, hk_scene *scene, const char *what, hk_mesh *m
   return 1;
 }
 
+void hk_solid_enter(lua_State *L, hk_scene *scene, hk_mesh *m, const char *what) {
+  const lattice none = {.side = {0}};
+  add_solid(L, scene, what, m, &none, (hk_lua_handle){.nx = (uint32_t)m->vertices, .ny = 1});
+}
+
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
 
 static lattice read_lattice(lua_State *L) {
@@ -321,6 +326,6 @@ int hk_build_tetrahedra(lua_State *L) {
   if (!(scale > 0)) hk_lua_fail(L, HK_BAD_PARAM, "tetrahedra: scale: %g has to be above 0", scale);
   hk_lua_field_vector(L, 2, "tetrahedra", "origin", origin);
   for (size_t k = 0; k < 3 * m->vertices; k++) m->vertex[k] = origin[k % 3] + scale * m->vertex[k];
-  const lattice none = {.side = {0}};
-  return add_solid(L, scene, "tetrahedra", m, &none, (hk_lua_handle){.nx = (uint32_t)m->vertices, .ny = 1});
+  hk_solid_enter(L, scene, m, "tetrahedra");
+  return 1;
 }

@@ -27,6 +27,7 @@ void hk_lua_name_scene_methods(lua_State *L);
 void hk_lua_name_run_methods(lua_State *L);
 
 /* periodic.c */
+int hk_lua_scene_within(lua_State *L);
 int hk_lua_scene_periodic(lua_State *L); /* scene:periodic{} */
 
 /* channel.c */

@@ -216,6 +216,7 @@ static const luaL_Reg methods[] = {{"pin", pin},
                                    {"start", start},
                                    {"run", hk_lua_scene_run},
                                    {"periodic", hk_lua_scene_periodic},
+                                   {"within", hk_lua_scene_within},
                                    {NULL, NULL}};
 
 static int no_assignment(lua_State *L) {

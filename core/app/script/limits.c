@@ -176,6 +176,11 @@ void hk_limits_take(lua_State *L, size_t bytes) {
   raise_limit(L, s);
 }
 
+size_t hk_limits_left(const hk_script *s) {
+  size_t most = s->memory_limit * ENGINE_SHARE;
+  return most > s->engine_memory ? most - s->engine_memory : 1;
+}
+
 double hk_limits_pause(hk_script *s) { return s->started < 0 ? -1 : processor_time() - s->started; }
 
 void hk_limits_resume(hk_script *s, double used) {

@@ -105,6 +105,7 @@ int hk_limits_call(lua_State *L, int arguments, int results);
  * the limit when that is exceeded. */
 void hk_limits_count(lua_State *L, size_t instructions);
 void hk_limits_take(lua_State *L, size_t bytes);
+size_t hk_limits_left(const hk_script *); /* bytes that hk_limits_take would still allow, 1 at least */
 /* Puts a new coroutine under the limits: it has a counter of instructions and a stack of its own. */
 void hk_limits_coroutine(lua_State *L, lua_State *coroutine);
 /* The engine works for the script, or no longer; returns what was. While it does the watchdog sees no standstill. */

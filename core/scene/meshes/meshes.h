@@ -45,4 +45,59 @@ const char *hk_mesh_add_cylinder(hk_mesh *, double radius, double length, double
 const char *hk_mesh_add_box(hk_mesh *, const double size[3]);
 const char *hk_mesh_add_square(hk_mesh *, double size); /* in the plane z = 0, seen from above */
 
+/* ---- implicit_shapes.c ---- */
+
+/* A shape by a function of places that is not below 0 inside, made of parts:
+ *   a function f, with its level: f - level, or level - f where the inside is below;
+ *   blobs, that is metaballs: sum of weight w(r / (2 radius)) - 1/2 over their distances r, with
+ *       w(s) = 1 - 22/9 s^2 + 17/9 s^4 - 4/9 s^6 for s < 1, else 0
+ *     (Wyvill, McPheeters and Wyvill 1986, The Visual Computer 2, equation 1): w(1/2) = 1/2, so that a blob by itself
+ * is a ball of its radius; the union, the largest value of the parts; the intersection, the smallest; the difference,
+ * the first without the others. Where two values differ by less than `blend` the larger one is raised by (blend -
+ * difference)^2 / (4 blend), in an intersection or difference the smaller one lowered: the edge between them is
+ * rounded. */
+typedef enum hk_implicit_kind {
+  HK_IMPLICIT_FUNCTION,
+  HK_IMPLICIT_BLOBS,
+  HK_IMPLICIT_UNION,
+  HK_IMPLICIT_INTERSECTION,
+  HK_IMPLICIT_DIFFERENCE
+} hk_implicit_kind;
+
+typedef struct hk_blob {
+  double centre[3], radius, weight; /* m, m; weight 1: a ball by itself; below 0: takes away */
+} hk_blob;
+
+typedef struct hk_implicit_shape {
+  hk_implicit_kind kind;
+  bool below;          /* of a function: inside where f <= level */
+  double level, blend; /* in the unit of f */
+  void (*evaluate)(void *context, int function, const double (*x)[3], size_t count, double *value);
+  void *context;
+  int function;
+  size_t count; /* of blobs or parts */
+  hk_blob *blob;
+  struct hk_implicit_shape *part;
+} hk_implicit_shape;
+
+void hk_implicit_evaluate(const hk_implicit_shape *, const double (*x)[3], size_t count, double *value);
+bool hk_implicit_has_function(const hk_implicit_shape *); /* of which no bounds are known */
+/* Of a shape without functions, in the whole box from low to high. */
+void hk_implicit_bounds(const hk_implicit_shape *, const double low[3], const double high[3], double range[2]);
+/* A box outside of which the shape has no inside; false: there is none, as a function may be inside anywhere. */
+bool hk_implicit_box(const hk_implicit_shape *, double low[3], double high[3]);
+
+/* ---- boxed_shape.c ---- */
+
+/* A shape closed along the faces of a box: what of it is in the box, by the smaller of its value and the distance from
+ * the faces, m. The shape is asked for within the box only. */
+typedef struct hk_boxed_shape {
+  const hk_implicit_shape *shape;
+  double low[3], high[3]; /* m */
+} hk_boxed_shape;
+
+void hk_boxed_shape_evaluate(const void *boxed, const double (*x)[3], size_t count, double *value);
+/* Of one whose shape has no function. */
+void hk_boxed_shape_bounds(const void *boxed, const double low[3], const double high[3], double range[2]);
+
 #endif

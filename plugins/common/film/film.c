@@ -22,7 +22,7 @@ static bool has_to_wait(const hk_film *f) {
 }
 
 static hk_status make_solids(hk_film *f) {
-  size_t count = f->solids + (f->obstacles ? f->obstacles->count : 0);
+  size_t count = f->solids + (f->obstacles ? f->obstacles->count : 0) + (f->liquid != NULL);
   if (count == 0) return HK_OK;
   f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
   if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
@@ -68,6 +68,11 @@ static hk_status claim_files(const hk_film *f) {
   return status == HK_OK && f->stills ? f->host->path(f->host, sheet_name, path, sizeof path) : status;
 }
 
+static void plain_colour(const hk_film *f, uint8_t colour[4]) {
+  memcpy(colour, hk_palette_colours[HK_PALETTE_PLAIN], 4);
+  for (int c = 0; c < 3 && !isnan(f->plain[0]); c++) colour[c] = (uint8_t)(255 * f->plain[c] + 0.5);
+}
+
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
@@ -84,6 +89,13 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   if (status != HK_OK) return status;
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
   f->waiting = has_to_wait(f);
+  if (f->waiting && f->liquid)
+    return host->fail(
+        host, HK_BAD_PARAM,
+        "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion: give "
+        "from, look_at, ground_height (or ground = false) and range (or color = \"none\"), and leave out "
+        "sheet, follow, views and size = \"mass\"");
+  if (f->liquid) plain_colour(f, f->liquid->colour);
   snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->files.folder);
   return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
 }
@@ -96,11 +108,6 @@ static hk_status make_colours(hk_film *f, size_t n) {
   if (f->colour) return HK_OK;
   f->colours = 0;
   return f->host->fail(f->host, HK_NO_MEMORY, "no memory for the colours of %zu particles", n);
-}
-
-static void plain_colour(const hk_film *f, uint8_t colour[4]) {
-  memcpy(colour, hk_palette_colours[HK_PALETTE_PLAIN], 4);
-  for (int c = 0; c < 3 && !isnan(f->plain[0]); c++) colour[c] = (uint8_t)(255 * f->plain[c] + 0.5);
 }
 
 static void colour_particles(hk_film *f) {
@@ -179,6 +186,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
+  if (f->liquid) f->snapshot.solid[f->snapshot.solids - 1] = *f->liquid;
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)

@@ -15,7 +15,8 @@ extern const char *const hk_solid_names[HK_SHAPE_MESH + 1];
 
 typedef struct hk_frame_solid {
   hk_shape_kind kind;
-  bool hollow; /* only what is seen of its inside is drawn */
+  bool hollow;       /* only what is seen of its inside is drawn */
+  uint8_t colour[4]; /* red, green, blue, 255; with a 0 at the end that of all bodies */
   double centre[3];
   double axis[3][3]; /* from the centre to the surface along its own axes */
   /* Of a mesh; the lists are another's. */

@@ -2,6 +2,7 @@
  * between an inside end a and an outside end b of its edge, at a + t (b - a). On an edge into the layer around the
  * grid, b is the nearest point of the grid: the vertex stays in the box, in its middle where b would be inside as well.
  */
+#include "plugins/common/isosurface/edge_root.h"
 #include "plugins/common/isosurface/grid_blocks.h"
 
 #include <float.h>
@@ -65,9 +66,6 @@ static void normalise(double n[3]) {
   for (int c = 0; c < 3; c++) n[c] *= scale;
 }
 
-/* The part of the way from a to b where a line between their values is 0: a >= 0 > b. */
-static double zero_between(double a, double b) { return a / (a - b); }
-
 static crossing crossing_on(const batch *b, unsigned point, unsigned direction, bool low_is_inside) {
   const uint8_t low[3] = {point % 8, point / 8 % 8, (uint8_t)(point / 64)};
   crossing k = {.capped = false};
@@ -78,7 +76,7 @@ static crossing crossing_on(const batch *b, unsigned point, unsigned direction, 
   }
   k.at_a = b->values[index_of(b, k.a)] - b->w->options->level;
   k.at_b = b->values[index_of(b, k.b)] - b->w->options->level;
-  k.t = k.at_b < 0 ? zero_between(k.at_a, k.at_b) : 0.5;
+  k.t = k.at_b < 0 ? hk_zero_between(k.at_a, k.at_b) : 0.5;
   return k;
 }
 
@@ -97,30 +95,6 @@ static void place_of(const batch *b, const crossing *k, double x[3]) {
   }
 }
 
-/* Between `low`, where f is not below the level, and `high`, where it is; `third` is the end before the last move, NAN
- * at the beginning. */
-typedef struct bracket {
-  double low, high, third, at_low, at_high, at_third, best, at_best; /* t, and f - level there */
-} bracket;
-
-static void narrow(bracket *r, double t, double value) {
-  if (value >= 0)
-    r->third = r->low, r->at_third = r->at_low, r->low = t, r->at_low = value;
-  else
-    r->third = r->high, r->at_third = r->at_high, r->high = t, r->at_high = value;
-}
-
-/* The zero within the bracket of the parabola through the three points (Muller 1956), which has exactly one there, as
- * its ends differ in sign: f(low + u) = at_low + slope u + bend u (u - width). */
-static double next_guess(const bracket *r) {
-  double width = r->high - r->low, slope = (r->at_high - r->at_low) / width;
-  double bend = ((r->at_third - r->at_low) / (r->third - r->low) - slope) / (r->third - r->high);
-  double b = slope - bend * width, root = sqrt(b * b - 4 * bend * r->at_low);
-  double t = r->low + (b < 0 ? 2 * r->at_low / (root - b) : -(b + root) / (2 * bend));
-  if (!(t >= r->low && t <= r->high)) t = r->low + width * zero_between(r->at_low, r->at_high);
-  return t;
-}
-
 static void note_not_finite(batch *b, const double x[3]) {
   if (b->block->not_finite) return;
   b->block->not_finite = true;
@@ -128,22 +102,19 @@ static void note_not_finite(batch *b, const double x[3]) {
 }
 
 /* Takes the value at x, where the vertex is, and moves it on; `best` keeps the nearest to the level up to now. */
-static void move_on(batch *b, bracket *r, crossing *at, double value, const double x[3]) {
+static void move_on(batch *b, hk_edge_root *r, crossing *at, double value, const double x[3]) {
   if (!hk_value_allowed(value)) note_not_finite(b, x);
   if (!hk_value_allowed(value) || !(at->at_b < 0)) return;
   value -= b->w->options->level;
-  if (fabs(value) < fabs(r->at_best)) r->best = at->t, r->at_best = value;
-  narrow(r, at->t, value);
-  at->t = r->at_low > 0 ? next_guess(r) : r->low;
+  at->t = hk_edge_root_move(r, at->t, value);
 }
 
 /* A vertex ends at the best place that was evaluated, never at one that rounding has spoilt. */
 static void project(batch *b) {
   const hk_isosurface_field *f = b->w->field;
   double place[BATCH][3], value[BATCH];
-  bracket of[BATCH];
-  for (size_t k = 0; k < b->count; k++)
-    of[k] = (bracket){0, 1, NAN, b->at[k].at_a, b->at[k].at_b, NAN, b->at[k].t, INFINITY};
+  hk_edge_root of[BATCH];
+  for (size_t k = 0; k < b->count; k++) of[k] = hk_edge_root_open(b->at[k].at_a, b->at[k].at_b, b->at[k].t);
   for (unsigned step = 0; step <= b->w->options->steps; step++) {
     for (size_t k = 0; k < b->count; k++) place_of(b, &b->at[k], place[k]);
     f->evaluate(f->self, (const double(*)[3])place, b->count, value);
@@ -206,8 +177,10 @@ static void finish(batch *b) {
     b->at[k].t = t < margin ? margin : t > 1 - margin ? 1 - margin : t;
     place_of(b, &b->at[k], x[k]);
   }
-  b->w->kept ? field_gradients(b, x, gradient) : array_gradients(b, gradient);
-  write_normals(b, gradient, b->w->found.normal + b->first);
+  if (b->w->found.normal) {
+    b->w->kept ? field_gradients(b, x, gradient) : array_gradients(b, gradient);
+    write_normals(b, gradient, b->w->found.normal + b->first);
+  }
   b->first += b->count, b->count = 0;
 }
 

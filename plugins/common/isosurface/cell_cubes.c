@@ -81,5 +81,6 @@ void hk_cell_cases_cubes(hk_cell_case cases[256]) {
       }
       if (count > 0) add_polygon(&cases[mask], loop, count);
     }
+    hk_cell_case_list_edges(&cases[mask]);
   }
 }

@@ -46,5 +46,6 @@ void hk_cell_cases_tetrahedra(hk_cell_case cases[256]) {
         if (turn == 2) swap(&v[1], &v[2]); /* a negative volume becomes positive */
         cut(&cases[mask], mask, v);
       }
+    hk_cell_case_list_edges(&cases[mask]);
   }
 }

@@ -7,6 +7,14 @@
 
 static void evaluate(const hk_surface_work *w, const size_t corner[3], double *value) {
   double place[HK_BLOCK_POINTS][3];
+  if (w->field->lattice) {
+    double axis[3][HK_POINTS];
+    for (size_t k = 0; k < 3 * HK_POINTS; k++)
+      axis[k / HK_POINTS][k % HK_POINTS] =
+          hk_point_place(w, (int)(k / HK_POINTS), corner[k / HK_POINTS] + k % HK_POINTS);
+    w->field->lattice(w->field->self, axis[0], axis[1], axis[2], value);
+    return;
+  }
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
     place[k][0] = hk_point_place(w, 0, corner[0] + k % HK_POINTS);
     place[k][1] = hk_point_place(w, 1, corner[1] + k / HK_POINTS % HK_POINTS);
@@ -32,12 +40,30 @@ static void mark_inside(const hk_surface_work *w, const size_t corner[3], const 
   }
 }
 
+size_t hk_known_place(const hk_surface_work *w, const size_t point[3], size_t *block) {
+  size_t at[3];
+  for (int c = 0; c < 3; c++) at[c] = hk_grid_point(w, c, point[c]) + 1;
+  *block = (at[2] / HK_SIDE * w->blocks[1] + at[1] / HK_SIDE) * w->blocks[0] + at[0] / HK_SIDE;
+  return (at[2] % HK_SIDE * HK_SIDE + at[1] % HK_SIDE) * HK_SIDE + at[0] % HK_SIDE;
+}
+
+static void known_block(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS]) {
+  size_t corner[3], block;
+  hk_block_corner(w, number, corner);
+  for (size_t k = 0; k < HK_BLOCK_POINTS; k++) {
+    size_t point[3] = {corner[0] + k % HK_POINTS, corner[1] + k / HK_POINTS % HK_POINTS,
+                       corner[2] + k / (HK_POINTS * HK_POINTS)};
+    size_t offset = hk_known_place(w, point, &block);
+    value[k] = w->known->value[w->known->slot[block]][offset];
+  }
+}
+
 bool hk_block_evaluate(const hk_surface_work *w, size_t number, double value[HK_BLOCK_POINTS],
                        uint16_t inside[HK_BLOCK_ROWS], size_t *bad) {
   size_t corner[3];
   unsigned wrong = 0;
   hk_block_corner(w, number, corner);
-  evaluate(w, corner, value);
+  w->known ? known_block(w, number, value) : evaluate(w, corner, value);
   for (size_t k = 0; k < HK_BLOCK_POINTS; k++) wrong |= !hk_value_allowed(value[k]);
   for (*bad = 0; wrong && hk_value_allowed(value[*bad]);) ++*bad;
   mark_inside(w, corner, value, inside);
@@ -48,6 +74,7 @@ bool hk_block_excluded(const hk_surface_work *w, size_t number) {
   size_t corner[3];
   double low[3], high[3], range[2];
   bool layer = false;
+  if (w->known) return !w->known->visited[number];
   if (!w->field->bounds) return false;
   hk_block_corner(w, number, corner);
   for (int c = 0; c < 3; c++) {
@@ -154,8 +181,9 @@ void hk_block_triangles(const hk_surface_work *w, size_t slot) {
       continue;
     }
     const hk_cell_case *c = &w->cases[hk_cell_mask(b->inside, row, cell[0])];
+    uint32_t number[64];
+    for (unsigned e = 0; e < c->edges; e++) number[c->used[e]] = vertex(&n, cell[0], cell[1], cell[2], c->used[e]);
     for (unsigned t = 0; t < c->triangles; t++, triangle++)
-      for (int corner = 0; corner < 3; corner++)
-        (*triangle)[corner] = vertex(&n, cell[0], cell[1], cell[2], c->edge[t][corner]);
+      for (int corner = 0; corner < 3; corner++) (*triangle)[corner] = number[c->edge[t][corner]];
   }
 }

@@ -23,6 +23,15 @@ typedef struct hk_surface_block { /* a block that the surface crosses */
   uint8_t crossed[HK_BLOCK_CELLS]; /* bit d - 1: the surface crosses the edge in direction d */
 } hk_surface_block;
 
+typedef struct hk_known_points { /* values of a function that is asked for near the surface only (surface_search.c) */
+  uint32_t *slot;                /* of each block: its place in `value`, or hk_no_slot */
+  bool *visited;                 /* of each block: all its points are known */
+  size_t count, seeds;
+  double (*value)[HK_BLOCK_CELLS]; /* count: of a block's first 8 x 8 x 8 points */
+  uint64_t (*is_known)[HK_BLOCK_CELLS / 64];
+  double *seed; /* of the coarse points */
+} hk_known_points;
+
 typedef struct hk_surface_work {
   const hk_host *host;
   const hk_isosurface_grid *grid;
@@ -36,6 +45,8 @@ typedef struct hk_surface_work {
   double *kept;            /* count x HK_BLOCK_POINTS, of fields that are evaluated */
   hk_cell_case *cases;     /* 256 */
   hk_isosurface found;
+  hk_known_points points;
+  const hk_known_points *known; /* `points` once they are there, NULL: all blocks are evaluated */
 } hk_surface_work;
 
 /* Differences of two values do not overflow. */
@@ -79,7 +90,17 @@ void hk_inside_read(const hk_surface_work *, size_t number, uint16_t inside[HK_B
 /* For functions: the values of a block and which are inside; false: one is not allowed, the first is value[*bad]. */
 bool hk_block_evaluate(const hk_surface_work *, size_t number, double value[HK_BLOCK_POINTS],
                        uint16_t inside[HK_BLOCK_ROWS], size_t *bad);
-/* Whether the bounds of the field exclude a surface in the block. */
+/* Finds the blocks along the surface and their values, of which the first that is not allowed ends the search (to be
+ * found by hk_block_evaluate). */
+hk_status hk_surface_seek(hk_surface_work *);
+/* A point of the lattice among the known values of its block. The layer around the grid has the nearest point of the
+ * grid. */
+size_t hk_known_place(const hk_surface_work *, const size_t point[3], size_t *block);
+/* An array of `count` items, *array, counted in `bytes`; `what` is their name. */
+hk_status hk_surface_allocate(hk_surface_work *, void *array, size_t count, size_t size, const char *what);
+/* The sentence for a value, at a point of the grid, that is not allowed. */
+hk_status hk_surface_refuse(const hk_surface_work *, const size_t point[3], double value);
+/* Whether the bounds of the field, or a search, exclude a surface in the block. */
 bool hk_block_excluded(const hk_surface_work *, size_t number);
 /* The first inside point at the border of the grid; false: there is none in this block. */
 bool hk_block_at_border(const hk_surface_work *, size_t number, const uint16_t *inside, size_t *point);

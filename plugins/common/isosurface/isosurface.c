@@ -53,31 +53,17 @@ static hk_status check(const hk_surface_work *w) {
 
 /* ---- memory ---- */
 
-/* An array of `count` items, *array; `what` is their name. */
-static hk_status allocate(hk_surface_work *w, void *array, size_t count, size_t size, const char *what) {
-  size_t most = w->options->most_bytes ? w->options->most_bytes : SIZE_MAX;
-  void *memory = NULL;
-  if (count > (SIZE_MAX / 2 - w->bytes) / size || w->bytes + count * size > most)
-    return w->host->fail(
-        w->host, HK_NO_MEMORY,
-        "isosurface: %zu %s need %.3g MB beside %.3g MB, and %.3g MB are allowed: take a larger spacing or a "
-        "smaller box",
-        count, what, 1e-6 * (double)count * (double)size, 1e-6 * (double)w->bytes, 1e-6 * (double)most);
-  memory = w->host->allocate(w->host, count * size);
-  if (!memory)
-    return w->host->fail(w->host, HK_NO_MEMORY, "isosurface: no memory for %zu %s (%.3g MB): take a larger spacing",
-                         count, what, 1e-6 * (double)count * (double)size);
-  memcpy(array, &memory, sizeof memory);
-  w->bytes += count * size;
-  return HK_OK;
-}
-
 static void release_work(hk_surface_work *w) {
   w->host->release(w->host, w->slot);
   w->host->release(w->host, w->bits);
   w->host->release(w->host, w->block);
   w->host->release(w->host, w->kept);
   w->host->release(w->host, w->cases);
+  w->host->release(w->host, w->points.slot);
+  w->host->release(w->host, w->points.visited);
+  w->host->release(w->host, w->points.seed);
+  w->host->release(w->host, w->points.value);
+  w->host->release(w->host, w->points.is_known);
 }
 
 void hk_isosurface_free(hk_isosurface *s, const hk_host *host) {
@@ -110,15 +96,6 @@ static void survey_chunk(void *context, size_t begin, size_t end, size_t chunk) 
   }
 }
 
-static hk_status refuse_value(const hk_surface_work *w, const size_t i[3], double value) {
-  double x[3];
-  for (int c = 0; c < 3; c++) x[c] = hk_point_place(w, c, i[c] + 1);
-  return w->host->fail(w->host, HK_NOT_FINITE,
-                       "isosurface: the field is %g at (%g, %g, %g), point (%zu, %zu, %zu) of the grid: give a finite "
-                       "number there, of at most 1e300 in size",
-                       value, x[0], x[1], x[2], i[0], i[1], i[2]);
-}
-
 /* The sentence for a block that ends the search. */
 static hk_status refuse_block(const hk_surface_work *w, size_t number) {
   double value[HK_BLOCK_POINTS], x[3];
@@ -132,7 +109,7 @@ static hk_status refuse_block(const hk_surface_work *w, size_t number) {
     i[c] = hk_grid_point(w, (int)c, corner[c] + n % HK_POINTS);
     x[c] = hk_point_place(w, (int)c, i[c] + 1);
   }
-  if (!allowed) return refuse_value(w, i, value[k]);
+  if (!allowed) return hk_surface_refuse(w, i, value[k]);
   return w->host->fail(
       w->host, HK_BAD_PARAM,
       "isosurface: the surface leaves the box: at (%g, %g, %g), on its border, the field is %g and the "
@@ -147,6 +124,8 @@ static void find_range(const hk_surface_work *w, size_t blocks, double *low, dou
   double value[HK_BLOCK_POINTS];
   uint16_t inside[HK_BLOCK_ROWS];
   *low = INFINITY, *high = -INFINITY;
+  for (size_t k = 0; w->known && k < w->known->seeds; k++)
+    *low = fmin(*low, w->known->seed[k]), *high = fmax(*high, w->known->seed[k]);
   for (size_t k = 0; k < points; k++) *low = fmin(*low, w->field->values[k]), *high = fmax(*high, w->field->values[k]);
   for (size_t number = 0, bad; number < blocks && !points; number++) {
     if (hk_block_excluded(w, number)) continue;
@@ -158,6 +137,12 @@ static void find_range(const hk_surface_work *w, size_t blocks, double *low, dou
 static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
   double low, high;
   find_range(w, blocks, &low, &high);
+  if (w->known)
+    return w->host->fail(
+        w->host, HK_BAD_PARAM,
+        "isosurface: no surface in the box: the field is from %g to %g on every point %u and the level %g: take "
+        "another level, another box, or look at more points",
+        low, high, w->options->coarse, w->options->level);
   if (low > high)
     return w->host->fail(w->host, HK_BAD_PARAM,
                          "isosurface: no surface in the box: the bounds of the field exclude a level of %g everywhere: "
@@ -178,7 +163,7 @@ static hk_status list_blocks(hk_surface_work *w, size_t blocks) {
   if (w->count >= hk_no_slot)
     return w->host->fail(w->host, HK_BAD_PARAM, "isosurface: %zu blocks at the surface: take a larger spacing",
                          w->count);
-  status = allocate(w, &w->block, w->count, sizeof *w->block, "blocks at the surface");
+  status = hk_surface_allocate(w, &w->block, w->count, sizeof *w->block, "blocks at the surface");
   for (size_t k = 0, slot = 0; k < blocks && status == HK_OK; k++) {
     bool crossed = w->slot[k];
     w->slot[k] = crossed ? (uint32_t)slot : hk_no_slot;
@@ -193,11 +178,14 @@ static hk_status find_blocks(hk_surface_work *w) {
     w->blocks[c] = (w->grid->points[c] + HK_SIDE) / HK_SIDE; /* points + 1 cells with the layer */
     blocks = blocks > SIZE_MAX / 2 / w->blocks[c] ? SIZE_MAX / 2 : blocks * w->blocks[c];
   }
-  hk_status status = allocate(w, &w->slot, blocks, sizeof *w->slot, "blocks of the box");
+  hk_status status = hk_surface_allocate(w, &w->slot, blocks, sizeof *w->slot, "blocks of the box");
   if (status == HK_OK && w->field->values)
-    status = allocate(w, &w->bits, hk_inside_bytes(w), sizeof *w->bits, "bytes of bits");
+    status = hk_surface_allocate(w, &w->bits, hk_inside_bytes(w), sizeof *w->bits, "bytes of bits");
   if (status != HK_OK) return status;
-  if (w->field->values && !hk_inside_pack(w, bad)) return refuse_value(w, bad, w->field->values[hk_grid_index(w, bad)]);
+  if (w->field->values && !hk_inside_pack(w, bad))
+    return hk_surface_refuse(w, bad, w->field->values[hk_grid_index(w, bad)]);
+  if (w->options->coarse > 0 && w->field->evaluate) status = hk_surface_seek(w);
+  if (status != HK_OK) return status;
   w->host->parallel_for(w->host, blocks, GRAIN, survey_chunk, w);
   for (size_t k = 0; k < blocks; k++)
     if (w->slot[k] > CROSSED) return refuse_block(w, k);
@@ -218,9 +206,9 @@ static void count_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 static hk_status count_all(hk_surface_work *w) {
-  hk_status status = allocate(w, &w->cases, 256, sizeof *w->cases, "cases of a cell");
+  hk_status status = hk_surface_allocate(w, &w->cases, 256, sizeof *w->cases, "cases of a cell");
   if (status == HK_OK && w->field->evaluate)
-    status = allocate(w, &w->kept, w->count, HK_BLOCK_POINTS * sizeof *w->kept, "blocks of values");
+    status = hk_surface_allocate(w, &w->kept, w->count, HK_BLOCK_POINTS * sizeof *w->kept, "blocks of values");
   if (status != HK_OK) return status;
   w->options->method == HK_MARCHING_CUBES ? hk_cell_cases_cubes(w->cases) : hk_cell_cases_tetrahedra(w->cases);
   w->host->parallel_for(w->host, w->count, GRAIN, count_chunk, w);
@@ -235,9 +223,10 @@ static hk_status count_all(hk_surface_work *w) {
                          "isosurface: %zu vertices, and at most 4294967295 have numbers: take a "
                          "larger spacing",
                          s->vertices);
-  status = allocate(w, &s->x, s->vertices, sizeof *s->x, "vertices");
-  if (status == HK_OK) status = allocate(w, &s->normal, s->vertices, sizeof *s->normal, "normals");
-  if (status == HK_OK) status = allocate(w, &s->triangle, s->triangles, sizeof *s->triangle, "triangles");
+  status = hk_surface_allocate(w, &s->x, s->vertices, sizeof *s->x, "vertices");
+  if (status == HK_OK && !w->options->without_normals)
+    status = hk_surface_allocate(w, &s->normal, s->vertices, sizeof *s->normal, "normals");
+  if (status == HK_OK) status = hk_surface_allocate(w, &s->triangle, s->triangles, sizeof *s->triangle, "triangles");
   return status;
 }
 

@@ -18,6 +18,9 @@ typedef struct hk_isosurface_field { /* `values` or `evaluate`; f is finite, at 
    * the surface are not evaluated then. Bounds that cut off a surface next to a block that was evaluated are refused.
    */
   void (*bounds)(const void *self, const double low[3], const double high[3], double range[2]);
+  /* Optional, beside `evaluate`: f at 9 x 9 x 9 places (x[i], y[j], z[k]), value[(9 k + j) 9 + i], in its stead for the
+   * points of the grid, where many at once cost less. */
+  void (*lattice)(const void *self, const double x[9], const double y[9], const double z[9], double value[729]);
   const void *self;
 } hk_isosurface_field;
 
@@ -39,15 +42,28 @@ typedef struct hk_isosurface_options { /* zeroed ones are valid */
   /* Vertices keep this part of their edge away from both ends, 0 to 0.5: with 0 triangles may have no area where
    * values equal the level. */
   double margin;
-  size_t most_bytes; /* an error before more than this is allocated; 0: no limit */
+  /* With `evaluate`, for a function that costs much, 1 or more: it is asked at every point `coarse` of the grid, along
+   * each axis, and then in the blocks of 8 x 8 x 8 cells along the surface from what was found there, once a point. A
+   * piece of the surface that passes between those points and touches nothing that was found is missed
+   * (surface_search.c); `bounds` are not used. 0: all blocks are evaluated that the bounds leave. */
+  unsigned coarse;
+  bool without_normals; /* the surface has none, and a function is not asked for them, six times a vertex */
+  size_t most_bytes;    /* an error before more than this is allocated; 0: no limit */
 } hk_isosurface_options;
 
 typedef struct hk_isosurface { /* a zeroed one is empty */
   size_t vertices, triangles;
   double (*x)[3];      /* vertices x 3, m */
   double (*normal)[3]; /* of length 1, outwards: -grad f / |grad f|, by central differences; along the edge of the grid
-                          where the gradient vanishes; that of the box where the surface is closed along it */
+                          where the gradient vanishes; that of the box where the surface is closed along it; NULL where
+                          none are asked for */
   uint32_t (*triangle)[3];
 } hk_isosurface;
+
+typedef struct hk_filling { /* a zeroed one is empty */
+  size_t vertices, tetrahedra;
+  double (*x)[3];             /* vertices x 3, m */
+  uint32_t (*tetrahedron)[4]; /* right-handed: the edges from the first corner have a positive determinant */
+} hk_filling;
 
 #endif

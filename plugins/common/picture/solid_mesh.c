@@ -43,6 +43,7 @@ static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_fram
                         const double origin[3]) {
   maker m = {p, solid, origin, {{0}}, {0}};
   hk_solid_colour(setup, solid->kind == HK_SHAPE_PLANE, m.colour);
+  if (solid->colour[3]) memcpy(m.colour, solid->colour, sizeof m.colour);
   for (int k = 0; k < 3; k++) cross(solid->axis[(k + 1) % 3], solid->axis[(k + 2) % 3], m.inverse[k]);
   return m;
 }

@@ -1,0 +1,29 @@
+/* The surface of particles: their field on the blocks that any of them reaches, marched. */
+#include "plugins/common/particle_surface/particle_surface.h"
+#include "plugins/common/isosurface/isosurface.h"
+#include "plugins/common/particle_surface/particle_field.h"
+
+/* Blocks that no particle reaches are outside. */
+static void bounds(const void *self, const double low[3], const double high[3], double range[2]) {
+  const hk_particle_field *f = self;
+  double middle[3];
+  for (int c = 0; c < 3; c++) middle[c] = (low[c] + high[c]) / 2;
+  size_t block = hk_particle_field_block(f, middle);
+  bool reached = f->start[block + 1] > f->start[block];
+  range[0] = -INFINITY, range[1] = reached ? INFINITY : -INFINITY;
+}
+
+hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, const double (*x)[3], size_t n,
+                                   const hk_particle_surface_options *options) {
+  hk_particle_field f = {.host = host, .x = x, .n = n, .o = *options};
+  hk_isosurface_field field = {
+      .evaluate = hk_particle_field_evaluate, .bounds = bounds, .lattice = hk_particle_field_lattice, .self = &f};
+  hk_isosurface_options o = {.method = options->method,
+                             .margin = 1e-3,
+                             .without_normals = options->without_normals,
+                             .most_bytes = options->most_bytes};
+  hk_status status = hk_particle_field_open(&f);
+  if (status == HK_OK) status = hk_isosurface_find(surface, host, &f.grid, &field, &o);
+  hk_particle_field_close(&f);
+  return status;
+}

@@ -1,0 +1,21 @@
+/* The surface of particles that stand for a liquid or a heap, as closed triangles (common/isosurface). With distances d
+ * between a place x and particles x_i within `reach` of it, it lies where a field is 0, positive inside:
+ *   Zhu and Bridson 2005 (ACM Trans. Graphics 24, equations 2 to 4): radius - |x - sum w x_i / sum w|, with
+ *     w = (1 - d^2/reach^2)^3. One particle by itself is a ball of its radius, and a flat layer is flat;
+ *   the density: sum V W - threshold, with V = (2 radius)^3, the volume of a particle of a cubic lattice, and W the
+ * cubic spline (Monaghan 1992, Annu. Rev. Astron. Astrophys. 30, section 2.1) of that reach, whose sum in a full
+ * lattice is 1. What has too few neighbours to reach the threshold is not seen: one particle by itself has 0.32 at
+ * most. The grid has its points at multiples of `cell`, whatever the particles do, so that the surfaces of a sequence
+ * do not flicker. The bits do not depend on the number of threads. */
+#ifndef HK_PARTICLE_SURFACE_H
+#define HK_PARTICLE_SURFACE_H
+
+#include "plugins/common/particle_surface/particle_options.h"
+
+/* Replaces the surface; particles at x, n x 3, m. A call that fails changes nothing: HK_BAD_PARAM (no radius; no
+ * particles; too many cells; nothing that reaches the threshold), HK_NOT_FINITE (the place of a particle),
+ * HK_NO_MEMORY. */
+hk_status hk_particle_surface_find(hk_isosurface *, const hk_host *, const double (*x)[3], size_t n,
+                                   const hk_particle_surface_options *);
+
+#endif

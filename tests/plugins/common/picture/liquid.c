@@ -1,0 +1,80 @@
+/* Pictures show the surface of a liquid in the stead of its particles, at each frame where they are: in runs of hooke.
+ */
+#include "tests/plugins/outputs/picture_world.h"
+
+#include "tests/support/command.h"
+
+/* A drop of radius 0.1 m that flies along x by 0.4 m in the run, one of another group above it, and a triangle of cloth
+ * below; 100 pixels a metre. */
+static const char scene[] =
+    "local scene = hooke.scene { duration = 1, fps = 1, integrator = 'leapfrog', dt = 0.01 }\n"
+    "scene:particle { position = { 0, 0, 0 }, velocity = { 0.4, 0, 0 }, mass = 1, group = 'water' }\n"
+    "scene:particle { position = { -0.4, 0, 0.3 }, mass = 1, group = 'other' }\n"
+    "scene:mesh { vertices = { { -0.5, 0, -0.4 }, { -0.3, 0, -0.4 }, { -0.4, 0, -0.2 } }, faces = { { 1, 2, 3 } }, "
+    "mass = 1 }\n"
+    "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, ground = "
+    "false, "
+    "fov = 5.1530,\n  color = 'none', plain = { 1, 0, 0 }, %s })\nreturn scene\n";
+
+static const char *const camera = "from = { 0, -10, 0 }, look_at = { 0, 0, 0 }";
+
+static void write_scene(const char *options) {
+  static char text[2048];
+  snprintf(text, sizeof text, scene, options);
+  test_write("liquid.lua", text);
+}
+
+/* How many red pixels there are, of pixels x from `from` to `to` and all y. */
+static int count_red(const picture *p, int from, int to) {
+  int red = 0;
+  for (int y = 0; y < 90; y++)
+    for (int x = from; x < to; x++) red += is_red(p, x, y);
+  return red;
+}
+
+static void a_drop_is_a_disc_where_it_is(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const of[] = {"surface = 0.1, surface_cell = 0.02", "surface = 0.1, surface_of = 'water'"};
+  for (int k = 0; k < 2; k++) {
+    char options[256];
+    snprintf(options, sizeof options, "%s, %s", camera, of[k]);
+    write_scene(options);
+    test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+    if (r.code != 0) fail_msg("%s", r.err);
+    for (int frame = 0; frame < 2; frame++) {
+      char path[512];
+      snprintf(path, sizeof path, "%s/out/liquid/frames/%06d.png", test_folder(), frame);
+      picture p = read_picture(path);
+      int middle = 80 + 40 * frame, disc = count_red(&p, middle - 15, middle + 15);
+      assert_true(is_red(&p, middle, 45) && is_red(&p, middle + 8, 45) && !is_red(&p, middle + 12, 45));
+      assert_true(disc > 270 && disc < 350);        /* pi 10^2 = 314; its border is mixed with the background */
+      assert_int_equal(is_red(&p, 40, 15), k == 0); /* the other particle is liquid where no group is named */
+      assert_true(is_red(&p, 40, 80 - 2));          /* cloth is drawn as ever */
+      free(p.rgb);
+    }
+  }
+}
+
+static void refused(const char *options, const char *text) {
+  static test_result r;
+  write_scene(options);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code == 0 || !strstr(r.err, text)) fail_msg("exit %d: %s", r.code, r.err);
+}
+
+static void what_cannot_be_drawn_is_said(void **state) {
+  (void)state;
+  refused("surface = 0.1",
+          "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion");
+  refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_of = 'water'",
+          "surface: it is required beside surface_of");
+  refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface = 0.1, surface_of = 'wine'",
+          "surface_of: there is no group 'wine'");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_drop_is_a_disc_where_it_is),
+                                     cmocka_unit_test(what_cannot_be_drawn_is_said)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

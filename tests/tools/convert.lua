@@ -1,0 +1,122 @@
+-- hooke convert --isosurface: the surface of loose particles in their stead, closed, with their velocity, beside cloth that
+-- stays; and what it says of wrong options.
+local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
+package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
+if not _G.hooke then os.exit(require("tool_tree").run(root, build, "tests/tools/convert.lua")) end
+local files = require("files")
+if not pcall(require, "recording") then
+  print("skipped: hooke is built without HDF5")
+  os.exit(77)
+end
+
+local folder = os.tmpname()
+os.remove(folder)
+assert(os.execute("mkdir -p " .. files.quoted(folder)))
+local function at(name) return folder .. "/" .. name end
+
+-- Runs hooke -> whether it ended well, what it printed.
+local function hooke(format, ...)
+  local fine = os.execute(("cd %s && %s/hooke %s >log 2>&1"):format(folder, build, format:format(...)))
+  return fine, files.read(at("log"))
+end
+
+local function must(format, ...)
+  local fine, said = hooke(format, ...)
+  assert(fine, said)
+end
+
+-- One drop of radius 0.1 m that flies at 2 m/s, another beside it, and a square of cloth far away.
+files.write(at("drops.lua"), [[
+local scene = hooke.scene { duration = 0.1, fps = 10, integrator = "leapfrog", dt = 1e-2 }
+scene:particle { position = { 0, 0, 0 }, velocity = { 2, 0, 0 }, mass = 1 }
+scene:particle { position = { 5, 0, 0 }, velocity = { 0, 0, 3 }, mass = 1 }
+local cloth = scene:mesh { vertices = { { 9, 9, 0 }, { 10, 9, 0 }, { 9, 10, 0 } }, faces = { { 1, 2, 3 } }, mass = 1 }
+scene:pin(cloth:ids())
+scene:channel("dye", { initial = 7 })
+scene:output("trajectory", {})
+return scene
+]])
+must("run drops.lua --quiet --trust --out out")
+
+-- ---- OBJ: the mesh ----
+
+local function read_obj(path)
+  local mesh = { x = {}, triangle = {} }
+  for line in io.lines(path) do
+    local kind, a, b, c = line:match("^(%a) (%S+) (%S+) (%S+)")
+    if kind == "v" then mesh.x[#mesh.x + 1] = { tonumber(a), tonumber(b), tonumber(c) } end
+    if kind == "f" then mesh.triangle[#mesh.triangle + 1] = { tonumber(a), tonumber(b), tonumber(c) } end
+  end
+  return mesh
+end
+
+-- The volume within triangles of vertices nearer than 1 m to a place, and how many of their edges are open.
+local function volume_near(mesh, x0)
+  local sum, open = 0, {}
+  for _, t in ipairs(mesh.triangle) do
+    local p, q, r = mesh.x[t[1]], mesh.x[t[2]], mesh.x[t[3]]
+    if math.abs(p[1] - x0) < 1 then
+      sum = sum + ((p[1] - x0) * (q[2] * r[3] - q[3] * r[2]) + (q[1] - x0) * (r[2] * p[3] - r[3] * p[2])
+        + (r[1] - x0) * (p[2] * q[3] - p[3] * q[2])) / 6
+      for k = 1, 3 do
+        local a, b = t[k], t[k % 3 + 1]
+        local key = math.min(a, b) .. " " .. math.max(a, b)
+        open[key] = (open[key] or 0) + (a < b and 1 or -1)
+      end
+    end
+  end
+  local broken = 0
+  for _, uses in pairs(open) do broken = broken + (uses ~= 0 and 1 or 0) end
+  return sum, broken
+end
+
+local ball = 4 / 3 * math.pi * 0.1 ^ 3
+for _, method in ipairs { "tetrahedra", "cubes" } do
+  must("convert out --to obj --isosurface 0.1 --cell 0.02 --method %s --out obj_%s", method, method)
+  local mesh = read_obj(at(("obj_%s/000001.obj"):format(method)))
+  for _, place in ipairs { 0.2, 5 } do -- where the drops are in the second frame
+    local volume, broken = volume_near(mesh, place)
+    assert(broken == 0, ("%d edges are open"):format(broken))
+    assert(math.abs(volume / ball - 1) < 0.03, ("a drop has the volume %g of %g"):format(volume, ball)) -- cells of radius/5
+  end
+  local cloth = 0
+  for _, x in ipairs(mesh.x) do cloth = cloth + (x[1] > 8 and 1 or 0) end
+  assert(cloth == 3, "the cloth has stayed as it was")
+end
+
+-- ---- PLY: numbers at the vertices ----
+
+must("convert out --to ply --isosurface 0.1 --field zhu_bridson --out ply")
+local text = files.read(at("ply/000001.ply"))
+local head = text:match("^.-end_header\n")
+assert(head:find("property double dye\n", 1, true), head)
+local count, size = tonumber(head:match("element vertex (%d+)")), 7 * 8 + 4 + 1 + 8 -- x, v, mass, id, pin, dye
+assert(count > 200)
+local ids = {}
+for k = 0, count - 1 do
+  local x, _, _, vx, _, vz, mass, id, _, dye = string.unpack("<dddddddI4Bd", text, #head + 1 + k * size)
+  if x < 8 then
+    local first = x < 2
+    local off = math.max(math.abs(vx - (first and 2 or 0)), math.abs(vz - (first and 0 or 3)), math.abs(dye - 7))
+    assert(off < 1e-14 and mass == 0, "a vertex has its drop's numbers") -- a product and a quotient: rounding
+  end
+  assert(not ids[id], "ids differ")
+  ids[id] = true
+end
+
+-- ---- a cloud that is no liquid, and wrong options ----
+
+local function refused(words, said)
+  local fine, printed = hooke("convert out %s", words)
+  assert(not fine and printed:find(said, 1, true), printed)
+end
+
+refused("--to obj --isosurface 0.1 --field density", "--isosurface: isosurface: no surface in the box")
+refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj or vtk")
+refused("--to obj --cell 0.1", "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
+refused("--to obj --isosurface 0", "--isosurface")
+refused("--to obj --isosurface 1e-9", "take larger ones, or leave out what has flown away")
+refused("--to obj --isosurface 0.1 --reach 0.01", "the reach is no less than the radius")
+os.execute("rm -r " .. files.quoted(folder))
+print("passed")
