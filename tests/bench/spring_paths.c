@@ -15,9 +15,8 @@ enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3,
 
 typedef struct data {
   double x[3 * N + 8], v[3 * N + 8], F[3 * N + 8];
-  double k[SPRINGS + HK_SPRING_BUNDLES], c[SPRINGS + HK_SPRING_BUNDLES], L[SPRINGS + HK_SPRING_BUNDLES];
-  uint32_t pair[SPRINGS + HK_SPRING_BUNDLES][2];
-  uint8_t lanes[2 * SPRINGS];
+  double k[SPRINGS + HK_SPRING_WIDEST], c[SPRINGS + HK_SPRING_WIDEST], L[SPRINGS + HK_SPRING_WIDEST];
+  uint32_t pair[SPRINGS][2];
 } data;
 
 typedef struct kind {
@@ -34,27 +33,22 @@ static double now(void) {
 
 /* As in a mesh, every particle of the second half has three springs to others, anywhere in the first half. */
 static void fill_list(data *d) {
-  uint32_t state = 12345, given[SPRINGS][2], order[2 * SPRINGS];
-  const hk_tuples edges = {SPRINGS, 2, given[0]};
+  uint32_t state = 12345;
   for (uint32_t e = 0; e < SPRINGS; e++) {
     state = state * 1664525 + 1013904223;
-    given[e][0] = N / 2 + e / 3, given[e][1] = (uint32_t)(((uint64_t)state * (N / 2)) >> 32), order[e] = e;
+    d->pair[e][0] = N / 2 + e / 3, d->pair[e][1] = (uint32_t)(((uint64_t)state * (N / 2)) >> 32);
   }
-  hk_spring_slices_sort(&edges, order, SPRINGS, d->lanes);
-  memset(d->pair, 0, sizeof d->pair);
-  for (uint32_t e = 0; e < SPRINGS; e++) memcpy(d->pair[e], given[order[e]], sizeof given[0]);
 }
 
 static void fill(data *d) {
   for (size_t q = 0; q < 3 * N; q++) d->x[q] = sin(1.3 * (double)q), d->v[q] = cos(2.1 * (double)q);
-  for (size_t e = 0; e < SPRINGS + HK_SPRING_BUNDLES; e++)
+  for (size_t e = 0; e < SPRINGS + HK_SPRING_WIDEST; e++)
     d->k[e] = 100 + (double)(e % 17), d->c[e] = 0.1 + 0.1 * (double)(e % 5), d->L[e] = 0.3 * (double)(e % 3);
   fill_list(d);
 }
 
 static double call(int lanes, data *d, const kind *a, bool damped) {
   size_t each = a->each ? ~(size_t)0 : 0, j = 3 * a->apart;
-  const hk_spring_list list = {SPRINGS, (const uint32_t(*)[2])d->pair, d->lanes};
   uint8_t present[SPRINGS / 8];
   const hk_spring_ways at = {
       {d->k, d->c, d->L, each, each, each}, present, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j};
@@ -66,7 +60,7 @@ static double call(int lanes, data *d, const kind *a, bool damped) {
     else if (a->apart)
       HK_WIDEST(lanes, hk_spring_near_run)(&at, SPRINGS, damped);
     else
-      HK_WIDEST(lanes, hk_spring_list_run)(&at, &list, damped);
+      HK_WIDEST(lanes, hk_spring_list_run)(&at, (const uint32_t(*)[2])d->pair, SPRINGS, damped);
   return (now() - start) / (CALLS * SPRINGS) * 1e9;
 }
 
