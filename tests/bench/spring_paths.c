@@ -11,7 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3, CASES = 6 };
+enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3, CASES = 8 };
 
 typedef struct data {
   double x[3 * N + 8], v[3 * N + 8], F[3 * N + 8];
@@ -23,6 +23,7 @@ typedef struct kind {
   const char *name;
   size_t apart; /* 0: a list */
   size_t each;  /* coefficients per spring */
+  size_t gap;   /* one place of so many has no spring; 0: none */
 } kind;
 
 static double now(void) {
@@ -53,6 +54,7 @@ static double call(int lanes, data *d, const kind *a, bool damped) {
   const hk_spring_ways at = {
       {d->k, d->c, d->L, each, each, each}, present, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j};
   memset(present, 0xff, sizeof present);
+  for (size_t e = 0; a->gap && e < SPRINGS; e += a->gap) present[e / 8] &= (uint8_t) ~(1u << e % 8);
   double start = now();
   for (int r = 0; r < CALLS; r++)
     if (a->apart >= HK_SPRING_FAR)
@@ -66,9 +68,10 @@ static double call(int lanes, data *d, const kind *a, bool damped) {
 
 int main(void) {
   const int widest = hk_processor_lanes();
-  static const kind kinds[CASES] = {{"run, ends 1 apart", 1, 0},        {"run, ends 2 apart", 2, 0},
-                                    {"run, ends 129 apart", 129, 0},    {"run, ends 300 apart", 300, 0},
-                                    {"run, 300, each its own", 300, 1}, {"list, each its own", 0, 1}};
+  static const kind kinds[CASES] = {{"run, ends 1 apart", 1, 0, 0},        {"run, ends 2 apart", 2, 0, 0},
+                                    {"run, 1 apart, with gaps", 1, 0, 64}, {"run, ends 129 apart", 129, 0, 0},
+                                    {"run, ends 300 apart", 300, 0, 0},    {"run, 300, with gaps", 300, 0, 64},
+                                    {"run, 300, each its own", 300, 1, 0}, {"list, each its own", 0, 1, 0}};
   data *d = aligned_alloc(64, (sizeof *d + 63) / 64 * 64);
   fill(d);
   printf("ns a spring in the cache:        2 lanes: damped, undamped   4: damped, undamped   8: damped, undamped\n");

@@ -83,8 +83,7 @@ TARGET HK_INLINE VECTOR NAME(hk_spring_sum3)(const VECTOR q[3]) {
 #endif
 }
 
-TARGET HK_INLINE NAME(hk_spring_reach)
-    NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped, bool gaps) {
+TARGET HK_INLINE NAME(hk_spring_reach) NAME(hk_spring_begin_step)(const hk_spring_ways *at, size_t e, bool damped) {
   NAME(hk_spring_reach) t = {.w = FILL(0.)};
   VECTOR p[3];
   for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) t.d[r] = LOAD(at->xj + k) - LOAD(at->xi + k);
@@ -94,7 +93,6 @@ TARGET HK_INLINE NAME(hk_spring_reach)
     for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) p[r] = t.d[r] * (LOAD(at->vj + k) - LOAD(at->vi + k));
     t.w = NAME(hk_spring_sum3)(p);
   }
-  if (gaps) t.l2 = KEEP(PRESENT(at, e), t.l2), t.w = KEEP(PRESENT(at, e), t.w);
   return t;
 }
 
@@ -103,7 +101,10 @@ TARGET HK_INLINE void NAME(hk_spring_end_step)(const hk_spring_ways *at, size_t 
                                                const NAME(hk_spring_stretch) * t, bool damped, bool gaps,
                                                NAME(hk_spring_four) * part, double *buffer) {
   VECTOR power, f[3], s = NAME(hk_spring_scales)(q, t, damped, &power);
-  if (gaps) s = KEEP(PRESENT(at, e), s);
+  if (gaps) {
+    const LOGIC here = PRESENT(at, e);
+    s = KEEP(here, s), power = KEEP(here, power);
+  }
   if (damped) NAME(hk_spring_add_power)(part, e, power);
   for (size_t r = 0; r < 3; r++) {
     const size_t k = 3 * e + WIDTH * r;
@@ -130,9 +131,9 @@ TARGET HK_INLINE void NAME(hk_spring_run_steps)(const hk_spring_ways *at, size_t
   const size_t last = n - WIDTH;
   VECTOR q[3];
   NAME(hk_spring_coefficients)(&at->q, 0, q);
-  NAME(hk_spring_reach) reach = NAME(hk_spring_begin_step)(at, e, damped, gaps);
+  NAME(hk_spring_reach) reach = NAME(hk_spring_begin_step)(at, e, damped);
   NAME(hk_spring_stretch) stretch = NAME(hk_spring_root)(&reach);
-  if (e + WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + WIDTH, damped, gaps);
+  if (e + WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + WIDTH, damped);
   for (; e <= last; e += WIDTH) {
     if (each) NAME(hk_spring_coefficients)(&at->q, e, q);
     if (each && e % 8 == 0) hk_spring_fetch(&at->q, e);
@@ -140,7 +141,7 @@ TARGET HK_INLINE void NAME(hk_spring_run_steps)(const hk_spring_ways *at, size_t
     for (size_t r = 0; r < 3 && buffer && e >= HK_SPRING_LAG; r++)
       NAME(hk_spring_add_near)(at, 3 * (e - HK_SPRING_LAG) + WIDTH * r, buffer);
     if (e + WIDTH <= last) stretch = NAME(hk_spring_root)(&reach);
-    if (e + 2 * WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + 2 * WIDTH, damped, gaps);
+    if (e + 2 * WIDTH <= last) reach = NAME(hk_spring_begin_step)(at, e + 2 * WIDTH, damped);
   }
 }
 
