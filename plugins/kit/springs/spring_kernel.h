@@ -1,10 +1,20 @@
-/* The forces of the springs of a layout (spring_layout.h), many at a time. */
+/* The forces of the springs of a layout (spring_layout.h), many at a time.
+ *
+ * A force with a law of its own defines HK_SPRING_TENSION(k, L, l) before it includes this header: the tension, N, of a
+ * spring of length l, for numbers and for vectors of numbers, by +, -, * and / alone, as k (l - L) for Hooke's law or
+ *     #define HK_SPRING_TENSION(k, L, l) ((k) * ((l) - (L)) * (1 + ((l) - (L)) * ((l) - (L)) * 25.))
+ * (l and L may be evaluated several times). Its `add`, `add_part` and `touch` call the functions below and have the
+ * speed of those of `springs`; energy, bounds and Jacobians of spring_blocks.h are Hooke's. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
 
 #include "core/plugin/vector_math.h"
 #include "plugins/kit/springs/spring_layout.h"
 #include "plugins/kit/springs/edge.h"
+
+#ifndef HK_SPRING_TENSION
+#define HK_SPRING_TENSION(k, L, l) ((k) * ((l) - (L)))
+#endif
 
 /* F += the forces; *power += the power of the damping, -sum c (u.d)^2/l^2, when `power` is not NULL. */
 static inline void hk_spring_forces(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
@@ -99,7 +109,7 @@ static inline bool hk_spring_has_gaps(const uint8_t *present, size_t n) {
 static inline double hk_spring_scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
   *p += cwr * w;
-  return k * (l - L) * l * r + cwr;
+  return HK_SPRING_TENSION(k, L, l) * l * r + cwr;
 }
 
 typedef struct hk_spring_task {

@@ -35,7 +35,7 @@ TARGET HK_INLINE VECTOR NAME(hk_spring_scales)(const VECTOR q[3], const NAME(hk_
   VECTOR cwr = FILL(0.);
   if (damped) cwr = q[1] * t->w * t->r;
   *power = cwr * t->w;
-  return q[0] * (t->l - q[2]) * t->l * t->r + cwr;
+  return HK_SPRING_TENSION(q[0], q[2], t->l) * t->l * t->r + cwr;
 }
 
 /* k, c and L of springs e, ... */
