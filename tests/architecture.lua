@@ -300,7 +300,8 @@ local function asks_the_processor(path, text)
   if path ~= "core/engine/base/processor.c" and text:find("__builtin_" .. "cpu_") then
     findings[1] = ("processor: %s asks the processor: hk_host.lanes has the answer"):format(path)
   end
-  if path ~= "core/plugin/vector_math.h" and text:find("#%s*include <%w+intrin%.h>") or text:find("#%s*include <arm_%w+%.h>") then
+  local includes = text:find("#%s*include <%w+intrin%.h>") or text:find("#%s*include <arm_%w+%.h>")
+  if path ~= "core/plugin/vector_math.h" and includes then
     findings[#findings + 1] = ("processor: %s includes a header of one kind of processor: see core/plugin/vector_math.h"):format(path)
   end
   return findings

@@ -1,15 +1,17 @@
 /* A force that the scene's script states as a function of the state, to try things out: F = f(t, x, v, id), or the
  * gradient of a potential, F = -dU/dx(t, x, id), by central differences.
  *
- * The script is called for one particle after another in one thread: some 0.1 us a call, of which a potential needs six
- * for a force and two for the power of its change in time. The same force in C takes some nanoseconds; what pays is
- * written as a plugin once it is right (hooke new force).
+ * The script is called for one particle after another in one thread: some 0.1 us a call, in groups that the host takes
+ * together, of which a potential needs six for a force and two for the power of its change in time. The same force in C
+ * takes some nanoseconds; what pays is written as a plugin once it is right (hooke new force).
  *
  * In units of `length`, over which the force changes, the differences are over 2e-5 (first ones: roundings of eps/d and
  * errors of d^2/24 are about equal) and 2.4e-4 (second ones of U, for Jacobians: 4 eps/d^2 and d^2/12). They assume 1 m
  * where no length is stated; where one is, no step moves a particle by more than half of it. What the functions do
  * between the steps of a run is sampled as for other functions of time, on the ways of three particles. */
 #include "core/plugin.h"
+
+#include <string.h>
 
 typedef struct field {
   const hk_function *f, *potential;
@@ -65,58 +67,98 @@ static double step_of(const field *p, double middle) {
   return fmax(part * (isnan(p->length) ? 1 : p->length), exact * fabs(middle));
 }
 
-/* dU/d(what), `what` a member of the place; the distance is that of the numbers as they are rounded. */
-static hk_status slope(place *a, double *what, double h, double *result) {
-  const double middle = *what, above = middle + h, below = middle - h;
-  double high = 0, low = 0;
-  *what = above;
-  hk_status status = call_potential(a, &high);
-  *what = below;
-  if (status == HK_OK) status = call_potential(a, &low);
-  *what = middle;
-  *result = (high - low) / (above - below);
+static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
+
+/* ---- all particles, in groups ---- */
+
+enum { GROUP = 64, IN_F = 8, IN_U = 5, MOST = 8 /* calls of a potential for a particle */ };
+
+/* Of particles first, ..., `count` of those that the force acts on. */
+typedef struct group {
+  const field *self;
+  const hk_view *view;
+  size_t first, count;
+} group;
+
+static place member(const group *g, size_t k) { return place_of(g->self, g->view, acting(g->view, g->first + k)); }
+
+/* Adds one force, of which all power is work or, of a potential, what it changes in time. */
+static void add_one(const group *g, size_t k, const double one[3], double change, double *F) {
+  const size_t i = acting(g->view, g->first + k);
+  const double *v = g->view->v + 3 * i;
+  for (size_t c = 0; c < 3; c++) F[3 * i + c] += one[c];
+  if (g->view->power) *g->view->power += g->self->f ? one[0] * v[0] + one[1] * v[1] + one[2] * v[2] : change;
+}
+
+static hk_status add_f(const group *g, double *F) {
+  const hk_host *host = g->view->host;
+  double in[GROUP][IN_F], out[GROUP][3];
+  for (size_t k = 0; k < g->count; k++) {
+    const place a = member(g, k);
+    const double one[IN_F] = {a.t, a.x[0], a.x[1], a.x[2], a.v[0], a.v[1], a.v[2], a.id};
+    memcpy(in[k], one, sizeof one);
+  }
+  hk_status status = host->call_each(host, g->self->f, in[0], IN_F, out[0], 3, g->count);
+  for (size_t k = 0; k < g->count && status == HK_OK; k++) add_one(g, k, out[k], 0, F);
   return status;
 }
 
-static hk_status force_at(place *a, double F[3]) {
-  hk_status status = a->self->f ? call_f(a, F) : HK_OK;
-  for (int c = 0; c < 3 && status == HK_OK && !a->self->f; c++) {
-    status = slope(a, &a->x[c], step_of(a->self, a->x[c]), &F[c]);
-    F[c] = -F[c];
+/* The arguments of two calls around a place along one of its numbers, 1 to 3 of x, 0 of t; their distance. */
+static double around(const place *a, size_t which, double in[2][IN_U]) {
+  const double all[IN_U] = {a->t, a->x[0], a->x[1], a->x[2], a->id};
+  const double h = which ? step_of(a->self, all[which]) : instant;
+  memcpy(in[0], all, sizeof all);
+  memcpy(in[1], all, sizeof all);
+  in[0][which] += h, in[1][which] -= h;
+  return in[0][which] - in[1][which];
+}
+
+static hk_status add_potential(const group *g, double *F) {
+  static const size_t which[] = {1, 2, 3, 0};
+  const hk_host *host = g->view->host;
+  const size_t slopes = g->view->power ? 4 : 3;
+  double in[GROUP * MOST][IN_U], U[GROUP * MOST], apart[GROUP * MOST / 2];
+  for (size_t k = 0, q = 0; k < g->count; k++) {
+    const place a = member(g, k);
+    for (size_t c = 0; c < slopes; c++, q++) apart[q] = around(&a, which[c], in + 2 * q);
+  }
+  hk_status status = host->call_each(host, g->self->potential, in[0], IN_U, U, 1, 2 * slopes * g->count);
+  for (size_t k = 0; k < g->count && status == HK_OK; k++) {
+    double slope[4] = {0};
+    for (size_t c = 0, q = slopes * k; c < slopes; c++, q++) slope[c] = (U[2 * q] - U[2 * q + 1]) / apart[q];
+    add_one(g, k, (const double[]){-slope[0], -slope[1], -slope[2]}, slope[3], F);
   }
   return status;
 }
 
-/* W: all of F is work where there is no potential, and of a potential what it changes in time. */
-static hk_status power_of(place *a, const double F[3], double *power) {
-  const double *v = a->v;
-  *power = F[0] * v[0] + F[1] * v[1] + F[2] * v[2];
-  return a->self->f ? HK_OK : slope(a, &a->t, instant, power);
+static group group_at(const field *self, const hk_view *view, size_t first) {
+  const size_t rest = view->acting - first;
+  return (group){self, view, first, rest < GROUP ? rest : GROUP};
 }
-
-static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   hk_status status = HK_OK;
-  for (size_t k = 0; k < view->acting && status == HK_OK; k++) {
-    size_t i = acting(view, k);
-    place a = place_of(self, view, i);
-    double one[3], power = 0;
-    status = force_at(&a, one);
-    if (status == HK_OK && view->power) status = power_of(&a, one, &power);
-    for (size_t c = 0; c < 3 && status == HK_OK; c++) F[3 * i + c] += one[c];
-    if (status == HK_OK && view->power) *view->power += power;
+  for (size_t k = 0; k < view->acting && status == HK_OK; k += GROUP) {
+    const group g = group_at(self, view, k);
+    status = g.self->f ? add_f(&g, F) : add_potential(&g, F);
   }
   return status;
 }
 
 /* NaN where the potential fails: the next evaluation says why. */
 static double energy(void *self, const hk_view *view) {
-  double sum = 0, one = 0;
+  double sum = 0;
   if (((const field *)self)->f) return 0;
-  for (size_t k = 0; k < view->acting; k++) {
-    place a = place_of(self, view, acting(view, k));
-    sum += call_potential(&a, &one) == HK_OK ? one : NAN;
+  for (size_t first = 0; first < view->acting; first += GROUP) {
+    const group g = group_at(self, view, first);
+    double in[GROUP][IN_U], U[GROUP];
+    for (size_t k = 0; k < g.count; k++) {
+      const place a = member(&g, k);
+      const double one[IN_U] = {a.t, a.x[0], a.x[1], a.x[2], a.id};
+      memcpy(in[k], one, sizeof one);
+    }
+    bool fine = view->host->call_each(view->host, g.self->potential, in[0], IN_U, U, 1, g.count) == HK_OK;
+    for (size_t k = 0; k < g.count; k++) sum += fine ? U[k] : NAN;
   }
   return sum;
 }

@@ -173,7 +173,8 @@ fake_system *fake_system_create(const fake_problem *problem) {
   f->problem = *problem;
   f->host = (hk_host){HK_ABI,        hk_processor_lanes(), host_fail,         host_warn,
                       host_allocate, host_release,         host_parallel_for, host_random,
-                      host_path,     host_query,           host_resize,       NULL};
+                      host_path,     host_query,           host_resize,       NULL,
+                      NULL};
   f->mass = room(n, sizeof *f->mass);
   f->id = room(n, sizeof *f->id);
   f->group = room(n, sizeof *f->group);

@@ -63,6 +63,14 @@ static const hk_instance *leave_plugin(const hk_script *s) {
   return plugin;
 }
 
+static void push_arguments(lua_State *L, const hk_function *f, const double *in, size_t n_in) {
+  for (size_t k = 0; k < n_in; k++)
+    if (k && k == f->id)
+      lua_pushinteger(L, (lua_Integer)in[k]);
+    else
+      lua_pushnumber(L, in[k]);
+}
+
 static hk_status call_function(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
                                size_t max_out, size_t *n_out, hk_error *error) {
   hk_script *s = f->context;
@@ -74,11 +82,7 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   *n_out = 0;
   if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  for (size_t k = 0; k < n_in; k++)
-    if (k && k == f->id)
-      lua_pushinteger(L, (lua_Integer)in[k]);
-    else
-      lua_pushnumber(L, in[k]);
+  push_arguments(L, f, in, n_in);
   s->calling = caller;
   const hk_instance *acting = leave_plugin(s);
   hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
@@ -91,6 +95,66 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   if (wrong) status = wrong_result(f, L, error, wrong);
   if (n_in && (wrong || (f->id && status == HK_SCRIPT))) add_place(f, in, !wrong, error);
   lua_settop(L, top);
+  return status;
+}
+
+/* ---- many calls in one that is protected ---- */
+
+typedef struct batch {
+  const hk_function *f;
+  const double *in;
+  double *out;
+  size_t n_in, n_out, count, made, got;
+  const char *wrong;
+} batch;
+
+/* NULL, or why the results above index 2 cannot be used. */
+static const char *take_results(lua_State *L, batch *b) {
+  double *out = b->out + b->made * b->n_out;
+  const char *wrong = lua_checkstack(L, ROOM) ? NULL : "too many values";
+  size_t looks = 0;
+  b->got = 0;
+  for (int k = 3, last = lua_gettop(L); !wrong && k <= last; k++)
+    wrong = flatten(L, k, 0, out, b->n_out, &b->got, &looks);
+  return wrong ? wrong : not_finite(out, b->got);
+}
+
+/* The batch is at 1. Every call has a budget of its own. */
+static int call_batch(lua_State *L) {
+  batch *b = lua_touserdata(L, 1);
+  const hk_script *s = hk_lua_script(L);
+  luaL_checkstack(L, (int)b->n_in + ROOM, "too many arguments");
+  lua_rawgeti(L, LUA_REGISTRYINDEX, b->f->reference);
+  for (; b->made < b->count; b->made++) {
+    if (b->made) hk_limits_renew(L);
+    lua_pushvalue(L, 2);
+    push_arguments(L, b->f, b->in + b->made * b->n_in, b->n_in);
+    lua_call(L, (int)b->n_in, LUA_MULTRET);
+    if (s->spent || (b->wrong = take_results(L, b)) || b->got != b->n_out) return 0;
+    lua_settop(L, 2);
+  }
+  return 0;
+}
+
+static hk_status call_each(const hk_function *f, const double *in, size_t n_in, double *out, size_t n_out, size_t count,
+                           size_t *made, size_t *got, hk_error *error) {
+  hk_script *s = f->context;
+  const hk_run *outer = s->calling;
+  lua_State *L = s->current;
+  int top = lua_gettop(L);
+  batch b = {.f = f, .in = in, .out = out, .n_in = n_in, .n_out = n_out, .count = count, .got = n_out};
+  if (!lua_checkstack(L, ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
+  lua_pushcfunction(L, call_batch);
+  lua_pushlightuserdata(L, &b);
+  s->calling = NULL;
+  const hk_instance *acting = leave_plugin(s);
+  hk_status status = hk_lua_call(L, 1, 0, error);
+  s->calling = outer;
+  if (s->run_options.acting) *s->run_options.acting = acting;
+  if (status == HK_OK && b.wrong) status = wrong_result(f, L, error, b.wrong);
+  if (b.wrong || (f->id && status == HK_SCRIPT)) add_place(f, in + b.made * n_in, !b.wrong, error);
+  lua_settop(L, top);
+  *made = b.made, *got = b.got;
   return status;
 }
 
@@ -130,6 +194,7 @@ hk_function hk_lua_function(lua_State *L, int index) {
   double fastest = fastest_of(L, index);
   lua_pushvalue(L, index);
   return (hk_function){.call = call_function,
+                       .each = call_each,
                        .context = hk_lua_script(L),
                        .reference = luaL_ref(L, LUA_REGISTRYINDEX),
                        .fastest = fastest};

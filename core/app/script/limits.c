@@ -195,13 +195,18 @@ void hk_limits_coroutine(lua_State *L, lua_State *coroutine) {
   hk_limits_count(L, COROUTINE_COUNT);
 }
 
+void hk_limits_renew(lua_State *L) {
+  hk_script *s = hk_lua_script(L);
+  s->started = -1;
+  s->instructions = 0;
+  lua_sethook(L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
+}
+
 int hk_limits_call(lua_State *L, int arguments, int results) {
   hk_script *s = hk_lua_script(L);
   uint64_t outer = s->instructions;
   double started = s->started;
-  s->started = -1;
-  s->instructions = 0;
-  lua_sethook(L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
+  hk_limits_renew(L);
   bool inside = hk_limits_inside(s, !s->options.trust);
   int base = lua_gettop(L) - arguments - 1, code = lua_pcall(L, arguments, results, 0);
   hk_limits_inside(s, inside);

@@ -100,6 +100,8 @@ bool hk_limits_open(hk_script *); /* creates the Lua state, without libraries; f
 /* lua_pcall with an instruction budget of its own. After an error, `spent` says whether a limit was exceeded, and
  * `limit` which one. */
 int hk_limits_call(lua_State *L, int arguments, int results);
+/* Inside such a call the next of several of their own budgets begins. */
+void hk_limits_renew(lua_State *L);
 
 /* Counts work that C code does for the script as instructions, or memory that it takes, as bytes; raises the error of
  * the limit when that is exceeded. */

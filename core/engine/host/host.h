@@ -54,6 +54,11 @@ const char *hk_kind_name(hk_kind kind); /* "force" */
 struct hk_function {
   hk_status (*call)(const hk_function *, const void *caller, const double *in, size_t n_in, double *out, size_t max_out,
                     size_t *n_out, hk_error *error);
+  /* `count` calls, count x n_in arguments and count x n_out results, for the caller NULL. *made: so many have given
+   * n_out numbers; where the next one gave another number of them, *got, the status is HK_OK. NULL: there is `call`
+   * alone. */
+  hk_status (*each)(const hk_function *, const double *in, size_t n_in, double *out, size_t n_out, size_t count,
+                    size_t *made, size_t *got, hk_error *error);
   void *context;
   int reference;
   size_t id;      /* position of the argument that is the id of a particle; 0: none */

@@ -128,13 +128,30 @@ static hk_status host_resize(const hk_host *host, hk_array *array, size_t count)
   return HK_OK;
 }
 
+static hk_status wrong_count(const hk_host *host, size_t got, const double *in, size_t n_in, size_t n_out) {
+  return host->fail(host, HK_BAD_PARAM, "a function gave %zu numbers at t = %.9g s for particle %.0f, expected %zu",
+                    got, in[0], in[n_in - 1], n_out);
+}
+
 static hk_status host_call(const hk_host *host, const hk_function *f, const double *in, size_t n_in, double *out,
                            size_t n_out) {
   size_t got = 0;
   hk_status status = f->call(f, NULL, in, n_in, out, n_out, &got, instance_of(host)->shared->error);
   if (status != HK_OK || got == n_out) return status;
-  return host->fail(host, HK_BAD_PARAM, "a function gave %zu numbers at t = %.9g s for particle %.0f, expected %zu",
-                    got, in[0], in[n_in - 1], n_out);
+  return wrong_count(host, got, in, n_in, n_out);
+}
+
+static hk_status host_call_each(const hk_host *host, const hk_function *f, const double *in, size_t n_in, double *out,
+                                size_t n_out, size_t count) {
+  hk_status status = HK_OK;
+  size_t made = 0, got = n_out;
+  if (f->each)
+    status = f->each(f, in, n_in, out, n_out, count, &made, &got, instance_of(host)->shared->error);
+  else
+    for (; made < count && status == HK_OK; made++)
+      status = host_call(host, f, in + made * n_in, n_in, out + made * n_out, n_out);
+  if (status != HK_OK || got == n_out) return status;
+  return wrong_count(host, got, in + made * n_in, n_in, n_out);
 }
 
 const hk_host hk_host_table = {.abi = HK_ABI,
@@ -147,4 +164,5 @@ const hk_host hk_host_table = {.abi = HK_ABI,
                                .path = host_path,
                                .query = host_query,
                                .resize = host_resize,
-                               .call = host_call};
+                               .call = host_call,
+                               .call_each = host_call_each};

@@ -1,10 +1,20 @@
-/* The forces of the springs of a layout (spring_layout.h), many at a time. */
+/* The forces of the springs of a layout (spring_layout.h), many at a time.
+ *
+ * A force with a law of its own defines HK_SPRING_TENSION(k, L, l) before it includes this header: the tension, N, of a
+ * spring of length l, for numbers and for vectors of numbers, by +, -, * and / alone, as k (l - L) for Hooke's law or
+ *     #define HK_SPRING_TENSION(k, L, l) ((k) * ((l) - (L)) * (1 + ((l) - (L)) * ((l) - (L)) * 25.))
+ * (l and L may be evaluated several times). Its `add`, `add_part` and `touch` call the functions below and have the
+ * speed of those of `springs`; energy, bounds and Jacobians of spring_blocks.h are Hooke's. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
 
 #include "core/plugin/vector_math.h"
 #include "plugins/kit/springs/spring_layout.h"
 #include "plugins/kit/springs/edge.h"
+
+#ifndef HK_SPRING_TENSION
+#define HK_SPRING_TENSION(k, L, l) ((k) * ((l) - (L)))
+#endif
 
 /* F += the forces; *power += the power of the damping, -sum c (u.d)^2/l^2, when `power` is not NULL. */
 static inline void hk_spring_forces(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
@@ -50,40 +60,16 @@ typedef struct hk_spring_ways {
   double *Fi, *Fj;
 } hk_spring_ways;
 
-/* The forces of a slice, x and y as a pair, z alone. */
-typedef struct hk_spring_pulls {
-  double xy[HK_SPRING_SLOTS][HK_SPRING_BUNDLES][2], z[HK_SPRING_SLOTS][HK_SPRING_BUNDLES];
-  double sum_xy[HK_SPRING_BUNDLES][2], sum_z[HK_SPRING_BUNDLES];
-} __attribute__((aligned(64))) hk_spring_pulls;
-
 typedef double hk_spring_half __attribute__((vector_size(16), aligned(8), may_alias));
 
-/* x and y together and z alone: a wider store would overlap a neighbouring particle, whose load would wait for it. */
-static inline void hk_spring_pull(double *F, const double xy[2], double z) {
-  *(hk_spring_half *)F += *(const hk_spring_half *)xy;
-  F[2] += z;
-}
-
-static inline void hk_spring_push(double *F, const double xy[2], double z) {
-  *(hk_spring_half *)F -= *(const hk_spring_half *)xy;
-  F[2] -= z;
-}
-
-/* The `count` forces of one slot in the first row, on the second ends. */
-HK_INLINE void hk_spring_slot_push(const hk_spring_pulls *p, const uint32_t (*pair)[2], size_t count, double *F) {
-  if (count == HK_SPRING_BUNDLES) /* an own loop: the compiler knows its length */
-    for (size_t r = 0; r < HK_SPRING_BUNDLES; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[0][r], p->z[0][r]);
-  else
-    for (size_t r = 0; r < count; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[0][r], p->z[0][r]);
-}
-
-/* Adds the forces of a slice; `pair` and `lanes` are its first ones. `pushed`: those on second ends have been. */
-HK_INLINE void hk_spring_pulls_add(const hk_spring_pulls *p, const uint32_t (*pair)[2], const uint8_t *lanes,
-                                   bool pushed, double *F) {
-  const uint32_t(*own)[2] = pair;
-  for (size_t t = 0; !pushed && lanes[t]; pair += lanes[t++])
-    for (size_t r = 0; r < lanes[t]; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[t][r], p->z[t][r]);
-  for (size_t r = 0; r < lanes[0]; r++) hk_spring_pull(F + 3 * (size_t)own[r][0], p->sum_xy[r], p->sum_z[r]);
+/* The force of a spring, to its first end, and its opposite to the second one. x and y together and z alone: a wider
+ * store would overlap a neighbouring particle, whose load would wait for it. */
+HK_INLINE void hk_spring_pull(double *F, const uint32_t pair[2], hk_spring_half xy, double z) {
+  double *i = F + 3 * (size_t)pair[0], *j = F + 3 * (size_t)pair[1];
+  *(hk_spring_half *)i += xy;
+  i[2] += z;
+  *(hk_spring_half *)j -= xy;
+  j[2] -= z;
 }
 
 /* Whether one of n springs of a run is missing. */
@@ -101,9 +87,9 @@ static inline bool hk_spring_has_gaps(const uint8_t *present, size_t n) {
  *   hk_spring_far_run(ways, n, damped)      the springs (i+t, j+t) of a run with ends HK_SPRING_FAR or more apart; n: a
  *                                           multiple of HK_SPRING_LANES. Springs e, e + 4, e + 8, ... are summed first
  *   hk_spring_near_run(ways, n, damped)     the same for ends that are nearer; n: at most HK_SPRING_BLOCK
- *   hk_spring_list_run(ways, list, damped)  slices of pairs without the last particle: one number beyond a particle may
- *                                           be read. The springs of the bundles r = 0 to 7 are summed first, then, as
- *                                           s, ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) */
+ *   hk_spring_list_run(ways, pair, n, damped)  n pairs without the last particle: one number beyond a particle may be
+ *                                           read; n as of a run. Forces are added spring after spring, to the first end
+ *                                           and to the second one; W as of a run */
 #define LOAD(p) (*(const VECTOR *)(p))
 #define STORE(p, value) (*(VECTOR *)(p) = (value))
 #define ADD(p, value) (*(VECTOR *)(p) += (value))
@@ -123,7 +109,7 @@ static inline bool hk_spring_has_gaps(const uint8_t *present, size_t n) {
 static inline double hk_spring_scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
   *p += cwr * w;
-  return k * (l - L) * l * r + cwr;
+  return HK_SPRING_TENSION(k, L, l) * l * r + cwr;
 }
 
 typedef struct hk_spring_task {
@@ -185,8 +171,8 @@ static inline double hk_spring_one_list(const hk_spring_task *t, const hk_spring
                                         const hk_spring_run *run) {
   const hk_spring_layout *s = t->layout;
   const hk_spring_ways at = {.q = hk_spring_numbers_from(all, run->place), .xi = t->x, .vi = t->v, .Fi = t->F};
-  const hk_spring_list list = {run->count, (const uint32_t(*)[2])s->pair + run->pair, s->lanes + run->lanes};
-  return HK_WIDEST(s->width, hk_spring_list_run)(&at, &list, s->damped);
+  const uint32_t(*pair)[2] = (const uint32_t(*)[2])s->pair + run->pair;
+  return HK_WIDEST(s->width, hk_spring_list_run)(&at, pair, run->count, s->damped);
 }
 
 static inline double hk_spring_one_run(const hk_spring_task *t, const hk_spring_numbers *q, const hk_spring_run *run) {

@@ -6,23 +6,22 @@
  * several threads without conflicts; sums have a fixed order, so results do not depend on the number of threads. Inside
  * a part, runs of springs (i+t, j+t) are found, whose particles are read and written as contiguous vectors and need no
  * indices; a few may be missing in one, so that the rows of a grid, or the strands of a hair, are one run. The other
- * springs are put into slices (spring_slices.h). The loops over springs are in
- * spring_kernel.h. */
+ * springs are a list, sorted by both ends. The loops over springs are in spring_kernel.h. */
 #ifndef HK_SPRING_LAYOUT_H
 #define HK_SPRING_LAYOUT_H
 
 #include "plugins/kit/parts/part_lists.h"
 #include "plugins/kit/springs/edge_order.h"
-#include "plugins/kit/springs/spring_slices.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* The places of a run are a multiple of HK_SPRING_LANES; so many equal numbers stand for a common coefficient. */
+/* The places of a run or list are a multiple of HK_SPRING_LANES; HK_SPRING_WIDEST equal numbers stand for a common
+ * coefficient. */
 enum { HK_SPRING_LANES = 4, HK_SPRING_WIDEST = 8 };
 
 typedef enum hk_spring_kind {
   HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ..., but for a few t: as in a grid, whose rows follow each other */
-  HK_SPRING_LIST,  /* slices of any pairs without the last particle (vector loads reach one number beyond a particle) */
+  HK_SPRING_LIST,  /* any pairs without the last particle (vector loads reach one number beyond a particle) */
   HK_SPRING_SINGLE /* any pairs, one at a time */
 } hk_spring_kind;
 
@@ -32,13 +31,12 @@ typedef struct hk_spring_run {
   size_t begin, count;  /* springs of the layout */
   size_t place, places; /* their coefficients; a run has places for springs that are missing in it as well */
   size_t bits;          /* of a run: position in `present` */
-  size_t pair, lanes;   /* of the others: position of the first one in `pair`, of a list in `lanes` */
+  size_t pair;          /* of the others: position of the first one in `pair` */
 } hk_spring_run;
 
 typedef struct hk_spring_layout {
   size_t count, places;
   uint32_t (*pair)[2];         /* of the springs in no run */
-  uint8_t *lanes;              /* see hk_spring_list */
   uint8_t *present;            /* a bit for each place of a run, the lowest of a byte first; a run begins with a byte */
   double *k, *c, *L;           /* HK_SPRING_WIDEST times the number when all are equal; otherwise one for each place */
   bool each_k, each_c, each_L; /* the coefficient differs from spring to spring */
@@ -71,7 +69,7 @@ static inline void hk_spring_layout_touch(const hk_spring_layout *,
 /* ---- how ---- */
 
 /* The order in which springs are summed (see spring_kernel.h): by part, runs are found by a scan, and the other springs
- * are put into slices. Everything is linear in the number of springs. */
+ * are sorted. Everything is linear in the number of springs. */
 
 /* The places of a run are a multiple of HK_SPRING_LANES; the springs at its end beyond that join the list. */
 enum {
@@ -88,12 +86,14 @@ typedef struct hk_spring_builder {
   hk_part_lists by_part;
   uint32_t *order, *scratch; /* edges in the layout's order; room for all springs */
   size_t *count;             /* of keys */
-  uint8_t *lanes, *present;  /* room for those of any slices, and any runs */
-  size_t run_capacity, listed, laned, bytes;
+  uint8_t *present;          /* room for those of any runs */
+  size_t run_capacity, listed, bytes;
 } hk_spring_builder;
 
+/* The higher end, by which lists are sorted. */
 static inline uint32_t hk_spring_edge_owner(const hk_spring_builder *b, uint32_t e) {
-  return hk_spring_owner(hk_tuple(b->edges, e));
+  const uint32_t *pair = hk_tuple(b->edges, e);
+  return pair[0] > pair[1] ? pair[0] : pair[1];
 }
 
 static inline uint32_t hk_spring_edge_other(const hk_spring_builder *b, uint32_t e) {
@@ -130,7 +130,7 @@ static inline bool hk_spring_add_run(hk_spring_builder *b, hk_spring_kind kind, 
     b->run_capacity = capacity;
   }
   const uint32_t *first = hk_tuple(b->edges, b->order[begin]);
-  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, 0, count, 0, b->listed, b->laned};
+  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, 0, count, 0, b->listed};
   if (kind != HK_SPRING_RUN) b->listed += count;
   return true;
 }
@@ -217,16 +217,13 @@ static inline bool hk_spring_take_runs(hk_spring_builder *b, size_t begin, size_
   return true;
 }
 
-/* Adds `count` springs from `begin` on in slices. */
-static inline bool hk_spring_add_slices(hk_spring_builder *b, size_t begin, size_t count) {
+/* Adds `count` springs from `begin` on as a list, and those beyond a multiple of HK_SPRING_LANES singly. */
+static inline bool hk_spring_add_list(hk_spring_builder *b, size_t begin, size_t count) {
+  const size_t singles = count % HK_SPRING_LANES;
   hk_spring_sort(b, b->order + begin, count, hk_spring_edge_other);
   hk_spring_sort(b, b->order + begin, count, hk_spring_edge_owner);
-  if (!hk_spring_add_run(b, HK_SPRING_LIST, begin, count)) return false;
-  b->listed += HK_SPRING_BUNDLES; /* pairs (0, 0), which are read beside those of the last slot, but not used */
-  memcpy(b->scratch, b->order + begin, count * sizeof *b->scratch);
-  b->laned += hk_spring_slices_sort(b->edges, b->scratch, count, b->lanes + b->laned);
-  memcpy(b->order + begin, b->scratch, count * sizeof *b->scratch);
-  return true;
+  return hk_spring_add_run(b, HK_SPRING_LIST, begin, count - singles) &&
+         hk_spring_add_run(b, HK_SPRING_SINGLE, begin + count - singles, singles);
 }
 
 /* Springs begin..end of the order are one part: runs first, then the list, then those of the last particle. */
@@ -242,7 +239,7 @@ static inline bool hk_spring_arrange_part(hk_spring_builder *b, size_t begin, si
   for (size_t e = 0; e < rest; e++)
     if (hk_spring_touches_last(b, others[e])) order[list + singles++] = others[e];
   if (count <= HK_SPRING_SMALL) return hk_spring_add_run(b, HK_SPRING_SINGLE, begin + placed, rest);
-  return hk_spring_add_slices(b, begin + placed, list) &&
+  return hk_spring_add_list(b, begin + placed, list) &&
          hk_spring_add_run(b, HK_SPRING_SINGLE, begin + placed + list, singles);
 }
 
@@ -274,7 +271,7 @@ static inline void hk_spring_number_places(hk_spring_layout *s) {
 static inline double *hk_spring_arrange_numbers(const hk_spring_builder *b, const hk_per_tuple *from, bool *each) {
   const hk_spring_layout *s = b->layout;
   *each = !hk_spring_all_equal(from);
-  double *list = b->host->allocate(b->host, ((*each ? s->places : 1) + HK_SPRING_BUNDLES) * sizeof *list);
+  double *list = b->host->allocate(b->host, ((*each ? s->places : 1) + HK_SPRING_WIDEST) * sizeof *list);
   for (size_t r = 0; list && !*each && from->count && r < HK_SPRING_WIDEST; r++) list[r] = from->value[0];
   for (size_t r = 0; list && *each && r < s->runs; r++) {
     const hk_spring_run *run = &s->run[r];
@@ -286,7 +283,7 @@ static inline double *hk_spring_arrange_numbers(const hk_spring_builder *b, cons
   return list;
 }
 
-/* The ends of the springs in no run; those of slices have their owner first. */
+/* The ends of the springs in no run; those of lists have their owner first. */
 static inline void hk_spring_copy_pairs(hk_spring_builder *b, const hk_spring_run *run) {
   for (size_t t = 0; run->kind != HK_SPRING_RUN && t < run->count; t++) {
     uint32_t *pair = b->layout->pair[run->pair + t], e = b->order[run->begin + t];
@@ -299,11 +296,9 @@ static inline bool hk_spring_copy_springs(hk_spring_builder *b, const hk_per_tup
                                           const hk_per_tuple *L) {
   hk_spring_layout *s = b->layout;
   s->pair = b->host->allocate(b->host, (b->listed + 1) * sizeof *s->pair);
-  s->lanes = b->host->allocate(b->host, b->laned + 1);
   s->present = b->host->allocate(b->host, b->bytes + 1);
-  if (!s->pair || !s->lanes || !s->present) return false;
+  if (!s->pair || !s->present) return false;
   for (size_t r = 0; r < s->runs; r++) hk_spring_copy_pairs(b, &s->run[r]);
-  memcpy(s->lanes, b->lanes, b->laned);
   memcpy(s->present, b->present, b->bytes);
   hk_spring_number_places(s);
   s->k = hk_spring_arrange_numbers(b, k, &s->each_k);
@@ -318,12 +313,11 @@ static inline bool hk_spring_allocate(hk_spring_builder *b) {
   const hk_host *host = b->host;
   hk_spring_layout *s = b->layout;
   b->scratch = host->allocate(host, 2 * (s->count + 1) * sizeof *b->scratch);
-  b->lanes = host->allocate(host, 2 * (s->count + 1));
   b->present = host->allocate(host, s->count + 1); /* half of the places have springs, and a run has at least 16 */
   b->count = host->allocate(host, (b->n + 2) * sizeof *b->count);
   s->part = host->allocate(host, (s->partition.parts + 1) * sizeof *s->part);
   s->power = host->allocate(host, s->partition.parts * sizeof *s->power);
-  return b->scratch && b->lanes && b->present && b->count && s->part && s->power;
+  return b->scratch && b->present && b->count && s->part && s->power;
 }
 
 static inline hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, const hk_partition *partition,
@@ -337,7 +331,6 @@ static inline hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_hos
   fine = fine && hk_spring_allocate(&b) && hk_spring_arrange(&b) && hk_spring_copy_springs(&b, k, c, L);
   hk_part_lists_free(&b.by_part, host);
   host->release(host, b.scratch);
-  host->release(host, b.lanes);
   host->release(host, b.present);
   host->release(host, b.count);
   return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu springs", edges->count);
@@ -353,7 +346,6 @@ static inline void hk_spring_layout_touch(const hk_spring_layout *s, const hk_pa
 
 static inline void hk_spring_layout_free(hk_spring_layout *s, const hk_host *host) {
   host->release(host, s->pair);
-  host->release(host, s->lanes);
   host->release(host, s->present);
   host->release(host, s->k);
   host->release(host, s->c);

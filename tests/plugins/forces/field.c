@@ -38,7 +38,8 @@ static void a_wrong_result_is_named_with_line_time_and_particle(void **state) {
   refused("return 1, 0/0, 3", "bad.lua:5: this function returned nan at t = 0.5 s, particle 2");
   refused("return 1, 2, -1/0", "bad.lua:5: this function returned -inf at t = 0.5 s, particle 2");
   refused("return 'x', 2, 3", "bad.lua:5: this function returned something else where a number is needed at t = 0.5");
-  refused("return qqqqqq.there", "bad.lua:5: 'qqqqqq' is not defined; a text stands in quotes, \"qqqqqq\" (at t = 0.5 s, particle 2)");
+  refused("return qqqqqq.there",
+          "bad.lua:5: 'qqqqqq' is not defined; a text stands in quotes, \"qqqqqq\" (at t = 0.5 s, particle 2)");
   refused("error('no force here')", "bad.lua:5: no force here (at t = 0.5 s, particle 2)");
 }
 
@@ -48,6 +49,24 @@ static void a_wrong_potential_is_named_as_well(void **state) {
                "scene:force('field', {\npotential = function(t, x) if t > 0.4 then return 0/0 end; return x end })\n"
                "return scene\n",
                "--quiet --no-output", 1, "bad.lua:5: this function returned nan at t = 0.4");
+}
+
+/* Particles are taken in groups. */
+static void the_particle_is_named_wherever_it_is_in_a_group(void **state) {
+  static const int wrong[] = {1, 64, 65, 128, 129, 200};
+  (void)state;
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    char scene[1024], text[128];
+    snprintf(
+        scene, sizeof scene,
+        "local scene = hooke.scene { duration = 1, fps = 10, dt = 0.05, integrator = 'rk4' }\n"
+        "local s = scene:strand { from = {0, 0, 0}, to = {1, 0, 0}, n = 200, mass = 1 }\n"
+        "scene:force('field', { f = function(t, x, y, z, vx, vy, vz, id) return 1, id == %d and 0/0 or 2, 3 end })\n"
+        "return scene\n",
+        wrong[k]);
+    snprintf(text, sizeof text, "bad.lua:3: this function returned nan at t = 0 s, particle %d", wrong[k]);
+    test_refused(scene, "--quiet --no-output", 1, text);
+  }
 }
 
 static void neither_or_both_functions_are_refused(void **state) {
@@ -152,6 +171,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_wrong_result_is_named_with_line_time_and_particle),
       cmocka_unit_test(a_wrong_potential_is_named_as_well),
+      cmocka_unit_test(the_particle_is_named_wherever_it_is_in_a_group),
       cmocka_unit_test(neither_or_both_functions_are_refused),
       cmocka_unit_test(the_limits_of_the_sandbox_hold_inside),
       cmocka_unit_test(a_field_is_the_force_that_it_writes),

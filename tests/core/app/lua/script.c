@@ -61,6 +61,21 @@ static void expect(const char *text, hk_status status, const char *message) {
 
 static void good(const char *text) { expect(text, HK_OK, ""); }
 
+/* A force calls a function for its particles together: two calls of 12 million instructions, and one that is too long.
+ */
+static void every_call_of_a_force_has_a_budget_of_its_own(void **state) {
+  (void)state;
+#define FIELD(most)                                                                                                    \
+  "local scene = hooke.scene { duration = 0.1, dt = 0.1, fps = 10, integrator = 'symplectic_euler' }\n"                \
+  "for i = 1, 2 do scene:particle { position = {i, 0, 0} } end\n"                                                      \
+  "scene:force('field', { f = function(t, x, y, z, vx, vy, vz, id)\n"                                                  \
+  "  for i = 1, id == 2 and " most " or 12000000 do end return 0, 0, 0 end })\n"                                       \
+  "return scene"
+  good(FIELD("12000000"));
+  expect(FIELD("1000000000"), HK_SCRIPT, "t.lua:4: the script ran beyond its limit of 20 million instructions");
+#undef FIELD
+}
+
 static void no_script_outlives_its_instructions(void **state) {
   (void)state;
   const char *beyond = "beyond its limit of 20 million instructions";
@@ -97,8 +112,8 @@ static void garbage_is_collected_before_memory_is_refused(void **state) {
   good(BALL "for i = 1, 20 do local s = string.rep('x', 2^22) end\nreturn scene");
 }
 
-/* Few instructions that fill much memory are no standstill to the watchdog, however slow that memory is: 40 texts of 1 MiB
- * and their buffers, in some 400 instructions, of which the hook sees none. */
+/* Few instructions that fill much memory are no standstill to the watchdog, however slow that memory is: 40 texts of 1
+ * MiB and their buffers, in some 400 instructions, of which the hook sees none. */
 static void large_allocations_are_progress(void **state) {
   (void)state;
   hk_pulse pulse = {0};
@@ -290,6 +305,7 @@ static void tools_load_and_drive_scenes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_call_of_a_force_has_a_budget_of_its_own),
       cmocka_unit_test(no_script_outlives_its_instructions),
       cmocka_unit_test(each_callback_has_a_budget_of_its_own),
       cmocka_unit_test(no_script_outlives_its_memory),

@@ -146,7 +146,8 @@ static void particles_are_divided_by_their_number(void **state) {
   (void)state;
   static const struct {
     size_t n, blocks, domains;
-  } expected[] = {{1, 1, 1}, {1024, 1, 1}, {1025, 2, 2}, {4096, 4, 2}, {4097, 5, 2}, {8192, 8, 4}, {40000, 40, 14}};
+  } expected[] = {{1, 1, 1},    {1024, 1, 1}, {1025, 2, 2},    {4096, 4, 2},
+                  {4097, 5, 2}, {8192, 8, 4}, {32768, 32, 16}, {40000, 79, 14}};
   double *x = calloc(3 * 40000, sizeof *x);
   for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
     test_engine e;

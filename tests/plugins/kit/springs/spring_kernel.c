@@ -1,4 +1,4 @@
-/* The widths of the springs kernel give the same bits, of runs those of one spring at a time. */
+/* The widths of the springs kernel give the same bits, those of one spring at a time. */
 #include "core/engine/base/base.h"
 #include "plugins/kit/springs/spring_kernel.h"
 
@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-enum { CASES = 4, PARTICLES = 700, SPRINGS = HK_SPRING_BLOCK, HUB = 2 * HK_SPRING_SLOTS + 3 };
+enum { CASES = 4, PARTICLES = 700, SPRINGS = HK_SPRING_BLOCK, HUB = 35 };
 
 typedef struct state {
   double x[3 * PARTICLES + 1], v[3 * PARTICLES + 1];
-  double k[SPRINGS + HK_SPRING_BUNDLES], c[SPRINGS + HK_SPRING_BUNDLES], L[SPRINGS + HK_SPRING_BUNDLES];
+  double k[SPRINGS + HK_SPRING_WIDEST], c[SPRINGS + HK_SPRING_WIDEST], L[SPRINGS + HK_SPRING_WIDEST];
   uint32_t pair[SPRINGS][2];
 } state;
 
@@ -28,21 +28,10 @@ static void fill(state *s) {
     s->k[e] = 100 + (double)(e % 17), s->c[e] = 0.1 * (double)(e % 5), s->L[e] = 0.3 * (double)(e % 3);
     s->pair[e][0] = (uint32_t)(e * e % 601), s->pair[e][1] = s->pair[e][0] + 1 + (uint32_t)(e % 7);
   }
-  for (size_t e = 0; e < HUB; e++) s->pair[e][0] = 5, s->pair[e][1] = 700 - 2; /* more than a slice has slots */
-  memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x);                    /* a coincident pair of the near run */
-}
-
-/* The first n pairs in slices, with coefficients as they come. */
-static hk_spring_list slices(const state *s, size_t n, uint32_t pair[][2], uint8_t *lanes) {
-  uint32_t order[2 * SPRINGS];
-  const hk_tuples edges = {n, 2, s->pair[0]};
-  for (uint32_t e = 0; e < n; e++) order[e] = e;
-  hk_spring_slices_sort(&edges, order, n, lanes);
-  for (size_t e = 0; e < n; e++) {
-    pair[e][0] = hk_spring_owner(s->pair[order[e]]);
-    pair[e][1] = s->pair[order[e]][0] ^ s->pair[order[e]][1] ^ pair[e][0];
-  }
-  return (hk_spring_list){n, (const uint32_t(*)[2])pair, lanes};
+  for (size_t e = 0; e < HUB; e++) s->pair[e][0] = 5, s->pair[e][1] = 700 - 2; /* the same ends in all of a vector */
+  for (size_t e = HUB; e < HUB + 40; e++) s->pair[e][1 - e % 2] = s->pair[e - 1][e % 2]; /* ends that follow */
+  memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x); /* a coincident pair of the near run */
+  s->pair[200][0] = 299, s->pair[200][1] = 300;
 }
 
 /* n springs with common coefficients when `each` is 0, or one per spring. */
@@ -62,11 +51,8 @@ static void run(int lanes, const state *s, size_t n, size_t each, bool damped, r
     out[r].power = apart[r] < HK_SPRING_FAR ? HK_WIDEST(lanes, hk_spring_near_run)(&at, n, damped)
                                             : HK_WIDEST(lanes, hk_spring_far_run)(&at, n, damped);
   }
-  uint32_t pair[SPRINGS + HK_SPRING_BUNDLES][2] = {{0}};
-  uint8_t slots[2 * SPRINGS];
-  const hk_spring_list list = slices(s, n, pair, slots);
   const hk_spring_ways all = {.q = q, .xi = s->x, .vi = s->v, .Fi = out[CASES - 1].F};
-  out[CASES - 1].power = HK_WIDEST(lanes, hk_spring_list_run)(&all, &list, damped);
+  out[CASES - 1].power = HK_WIDEST(lanes, hk_spring_list_run)(&all, (const uint32_t(*)[2])s->pair, n, damped);
 }
 
 /* On variants of n springs: 1, coefficients per spring; 2, damped. */
@@ -155,8 +141,44 @@ static void runs_have_the_bits_of_one_spring_at_a_time(void **unused) {
   free(s);
 }
 
+/* n pairs one at a time, of which some share their ends with those before. */
+static void compare_pairs_singly(int lanes, const state *s, size_t n, bool each, bool damped) {
+  const size_t all = each ? ~(size_t)0 : 0;
+  double k[HK_SPRING_WIDEST], c[HK_SPRING_WIDEST], L[HK_SPRING_WIDEST], four[4] = {0};
+  for (size_t r = 0; r < HK_SPRING_WIDEST; r++) k[r] = 70, c[r] = 2, L[r] = 0.4;
+  result *is = calloc(2, sizeof *is);
+  for (size_t q = 0; q < 3 * PARTICLES; q++) is[0].F[q] = is[1].F[q] = q % 2 ? -0.0 : 1e-3 * (double)q;
+  const hk_spring_ways at = {
+      .q = {each ? s->k : k, each ? s->c : c, each ? s->L : L, all, all, all}, .xi = s->x, .vi = s->v, .Fi = is[0].F};
+  is[0].power = HK_WIDEST(lanes, hk_spring_list_run)(&at, (const uint32_t(*)[2])s->pair, n, damped);
+  for (size_t e = 0; e < n; e++) {
+    const size_t i = 3 * s->pair[e][0], j = 3 * s->pair[e][1];
+    double d[3], w = 0, l2 = 0;
+    for (size_t r = 0; r < 3; r++) d[r] = s->x[j + r] - s->x[i + r];
+    for (size_t r = 0; r < 3; r++) l2 += d[r] * d[r], w += damped ? d[r] * (s->v[j + r] - s->v[i + r]) : 0;
+    const double f = hk_spring_scale(l2, w, at.q.k[e & all], at.q.c[e & all], at.q.L[e & all], &four[e % 4]);
+    for (size_t r = 0; r < 3; r++) is[1].F[i + r] += f * d[r], is[1].F[j + r] -= f * d[r];
+  }
+  is[1].power = (four[0] + four[1]) + (four[2] + four[3]);
+  if (memcmp(&is[0], &is[1], sizeof *is)) print_error("%d lanes, %zu pairs\n", lanes, n);
+  assert_memory_equal(&is[0], &is[1], sizeof *is);
+  free(is);
+}
+
+static void lists_have_the_bits_of_one_spring_at_a_time(void **unused) {
+  const size_t n[] = {4, 8, 12, 36, 100, SPRINGS};
+  state *s = calloc(1, sizeof *s);
+  (void)unused;
+  fill(s);
+  for (int lanes = 2; lanes <= hk_processor_lanes(); lanes *= 2)
+    for (size_t k = 0; k < sizeof n / sizeof *n; k++)
+      for (int variant = 0; variant < 4; variant++) compare_pairs_singly(lanes, s, n[k], variant & 1, variant & 2);
+  free(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(widths_give_the_same_bits),
-                                     cmocka_unit_test(runs_have_the_bits_of_one_spring_at_a_time)};
+                                     cmocka_unit_test(runs_have_the_bits_of_one_spring_at_a_time),
+                                     cmocka_unit_test(lists_have_the_bits_of_one_spring_at_a_time)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
