@@ -19,6 +19,7 @@
  * the force `repulsion` 60 s for 0.43 s of it, 38,796 steps (hooke run scripts/scenes/twist.lua contact=impulses,
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
+#include "plugins/common/contact/bodies/body_impacts.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 
 enum { ROUNDS = 6 /* of solutions and narrow phases in a step */ };
@@ -33,6 +34,7 @@ typedef struct contact_times {
 
 typedef struct contact {
   hk_impulse_contact base;
+  hk_body_impacts bodies;         /* particles that constraints join */
   int64_t began;                  /* the first step was examined */
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   contact_times seconds;
@@ -66,13 +68,15 @@ static hk_status topology(void *self, const hk_view *view) {
   s->moved = host->allocate(host, (view->n + 1) * sizeof *s->moved);
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   if (!s->moved || !s->touched) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  return hk_impulse_contact_topology(&s->base, view);
+  hk_status status = hk_body_impacts_topology(&s->bodies, view);
+  return status == HK_OK ? hk_impulse_contact_topology(&s->base, view) : status;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
   hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
+  if (status == HK_OK) status = hk_body_impacts_open(&s->bodies, host);
   return status == HK_OK ? topology(self, view) : status;
 }
 
@@ -99,8 +103,15 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (!c->changed) hk_impulse_contact_keep_free(&s->base, view, c);
   hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &solver);
   if (status != HK_OK) return status;
-  hk_gauss_seidel_result done = hk_gauss_seidel(&solver, move);
-  s->base.candidates.touched = s->touched, s->base.candidates.since = s->now;
+  hk_gauss_seidel_result done = {0};
+  s->bodies.t = view->t;
+  if (s->bodies.count)
+    status = hk_body_gauss_seidel(&s->bodies, &solver, move, &done);
+  else
+    done = hk_gauss_seidel(&solver, move);
+  if (status != HK_OK) return status;
+  s->base.candidates.touched = s->bodies.count ? NULL : s->touched; /* constraints move more than impacts touch */
+  s->base.candidates.since = s->now;
   s->now = solver.now;
   hk_contact_candidates_remember(&s->base.candidates, &solver);
   c->changed |= done.pushing > 0;
@@ -138,7 +149,8 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   const hk_contact_candidates *found = &s->base.candidates;
   hk_impulse_contact_begin(&s->base, view, c);
   uint64_t began = s->now;
-  hk_status status = find_candidates(s, &move);
+  hk_status status = hk_body_impacts_count(&s->bodies);
+  if (status == HK_OK) status = find_candidates(s, &move);
   if (status == HK_OK) warn_of_start(s, view);
   for (int round = 0; round < ROUNDS && found->unsafe + found->unsolved > 0; round++) {
     if (status != HK_OK || c->reject) break;

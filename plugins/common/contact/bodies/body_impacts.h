@@ -1,0 +1,62 @@
+/* Impacts of bodies: particles that constraints join (the service "bodies/1") receive the impulses of contact together
+ * with the multipliers of their equations. An impulse p on the nearest points of an impact changes the velocities of
+ * all particles of its bodies by U p, with the columns of U from hk_body_service.respond, so that the effective mass is
+ * 1/(n.G n), G = P U, and the equations hold, to first order, at any time. The law of impact, complementarity and
+ * Coulomb's cone, is that of impact.h and gauss_seidel.h with G in the place of the free particles' sum w^2/m, which
+ * for them is the same: Gauss-Seidel sweeps over the impacts, each solved for its own impulse (Moreau 1988; Jean 1999),
+ * to the solver's tolerance.
+ *
+ * Positions come first, then the equations are satisfied exactly at the new place (hk_body_service.settle), then the
+ * velocities with the responses of that place. Where one-sided equations (cables) take part, which `settle` alone
+ * knows, sweeps and `settle` alternate until the impacts hold. */
+#ifndef HK_BODY_IMPACTS_H
+#define HK_BODY_IMPACTS_H
+
+#include "core/plugin.h"
+#include "plugins/common/contact/impulses/gauss_seidel.h"
+
+/* How the particles of an impact respond to an impulse on it. */
+typedef struct hk_body_response {
+  bool known;
+  size_t first, count; /* in hk_body_impacts.particle and .block */
+  double G[9];         /* 1/kg, row by row: of the nearest points' difference */
+} hk_body_response;
+
+typedef struct hk_body_impacts {
+  const hk_host *host;
+  const hk_body_service *bodies;
+  size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
+  const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
+  const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
+  double t;                /* s, the end of the step */
+  /* Room */
+  hk_body_response *response;
+  size_t impacts, used, room;
+  uint32_t *particle; /* room */
+  double (*block)[9]; /* room: U, row by row */
+  double *column;     /* n x 3 */
+} hk_body_impacts;
+
+/* In `create`: the service. HK_FAILED: the host has none. */
+hk_status hk_body_impacts_open(hk_body_impacts *, const hk_host *);
+/* In `create` and `topology`. */
+hk_status hk_body_impacts_topology(hk_body_impacts *, const hk_view *);
+/* Before a step: `count`, which may have changed with the equations. */
+hk_status hk_body_impacts_count(hk_body_impacts *);
+/* As hk_gauss_seidel, for a move that ends at the time t, s. Errors are the constraints'. */
+hk_status hk_body_gauss_seidel(hk_body_impacts *, hk_contact_solver *, hk_step_move *, hk_gauss_seidel_result *);
+
+/* ---- body_response.c ---- */
+
+/* The response of impact e. */
+hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, const hk_step_move *, size_t e,
+                                const hk_body_response **);
+
+/* ---- body_contact_law.c ---- */
+
+/* Solves one impact for its own impulses by its matrix G, with r = sum w y - origin: the changes of its normal and its
+ * tangential impulse are added to change[3]. mu: friction. */
+void hk_body_contact_solve(const hk_impact *, hk_impact_level *, const double G[9], double mu, const double r[3],
+                           double change[3]);
+
+#endif
