@@ -7,10 +7,9 @@
 
 #include <float.h>
 
-enum { SECTIONS = 60, SAMPLES = 16, ADVANCES = 200, BISECTIONS = 60 };
+enum { SECTIONS = 80, SAMPLES = 16, ADVANCES = 200, BISECTIONS = 80 };
 
-static const double golden = 0.3819660112501051; /* (3 - sqrt 5)/2 */
-static const double narrow = 1e-8;               /* of an edge: the gap is off by the square of that */
+static const double narrow = 1e-8; /* of an edge, or of a slope: the gap is off by the square of that */
 
 /* ---- in space ---- */
 
@@ -37,20 +36,34 @@ static void bracket(const edge *e, double *low, double *high) {
   *high = fmin(1, (double)(best + 1) / SAMPLES);
 }
 
-static double nearest_place(const edge *e) {
-  double low = 0, high = 1, n[3];
+/* m per edge: how the distance grows along the edge at that place. */
+static double slope_on(const edge *e, double place) {
+  double n[3], along[3];
+  distance_on(e, place, n);
+  hk_subtract(along, e->p[1], e->p[0]);
+  return hk_dot(n, along) - (e->radius[1] - e->radius[0]);
+}
+
+/* The slope rises along the edge: its root, by secants that halve the weight of an end that stays (Dowell and Jarratt
+ * 1971, the Illinois method), and by bisection at a kink. */
+static double nearest_place(const edge *e, double length) {
+  double low = 0, high = 1;
   bracket(e, &low, &high);
-  double a = low + golden * (high - low), b = high - golden * (high - low);
-  double at_a = distance_on(e, a, n), at_b = distance_on(e, b, n);
-  for (int k = 0; k < SECTIONS && high - low > narrow; k++) {
-    if (at_a < at_b) {
-      high = b, b = a, at_b = at_a;
-      a = low + golden * (high - low);
-      at_a = distance_on(e, a, n);
+  double at_low = slope_on(e, low), at_high = slope_on(e, high);
+  if (at_low >= 0) return low;
+  if (at_high <= 0) return high;
+  for (int k = 0, stayed = 0; k < SECTIONS && high - low > narrow; k++) {
+    double place = k % 4 == 3 ? (low + high) / 2 : (low * at_high - high * at_low) / (at_high - at_low);
+    double slope = slope_on(e, place);
+    if (fabs(slope) <= narrow * length) return place;
+    if (slope < 0) {
+      low = place, at_low = slope;
+      if (stayed == 1) at_high /= 2;
+      stayed = 1;
     } else {
-      low = a, a = b, at_a = at_b;
-      b = high - golden * (high - low);
-      at_b = distance_on(e, b, n);
+      high = place, at_high = slope;
+      if (stayed == -1) at_low /= 2;
+      stayed = -1;
     }
   }
   return (low + high) / 2;
@@ -68,7 +81,7 @@ static hk_feature_gap nearest(const edge *e, double rounding, double reach) {
   if (two < one) g.gap = two, g.place = 1, hk_copy(g.n, other);
   bool flat = e->o->shape.kind == HK_SHAPE_PLANE; /* its distance is linear */
   if (flat || (one + two - sqrt(length)) / 2 > reach) return g;
-  double place = nearest_place(e), gap = distance_on(e, place, n);
+  double place = nearest_place(e, sqrt(length)), gap = distance_on(e, place, n);
   if (!(gap < g.gap - rounding)) return g;
   g = (hk_feature_gap){.gap = gap, .place = place, .inside_of_edge = true};
   hk_copy(g.n, n);

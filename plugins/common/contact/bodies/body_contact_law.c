@@ -8,14 +8,13 @@
 
 #include <float.h>
 
-enum { ROUNDS = 200 };
+enum { ROUNDS = 20 };
 
 static void multiply(double out[3], const double G[9], const double p[3]) {
   for (int c = 0; c < 3; c++) out[c] = hk_dot(G + 3 * c, p);
 }
 
-/* Two unit vectors across n. */
-static void across(const double n[3], double a[3], double b[3]) {
+void hk_vectors_across(const double n[3], double a[3], double b[3]) {
   int least = 0;
   for (int c = 1; c < 3; c++)
     if (fabs(n[c]) < fabs(n[least])) least = c;
@@ -35,7 +34,7 @@ typedef struct tangent {
 static tangent tangent_of(const double G[9], const double n[3]) {
   tangent t;
   double column[3];
-  across(n, t.a, t.b);
+  hk_vectors_across(n, t.a, t.b);
   multiply(column, G, t.a);
   t.g[0] = hk_dot(t.a, column);
   t.g[1] = hk_dot(t.b, column);

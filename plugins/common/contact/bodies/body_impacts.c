@@ -4,7 +4,7 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { ALTERNATIONS = 60 /* of sweeps and `settle` */ };
+enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 40 /* sweeps between Newton's iterations */ };
 
 /* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
 static const double held = 1e-12;
@@ -17,8 +17,10 @@ hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
 
 hk_status hk_body_impacts_topology(hk_body_impacts *s, const hk_view *view) {
   s->host->release(s->host, s->column);
+  s->host->release(s->host, s->place);
   s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
-  return s->column ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
+  return s->column && s->place ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
 }
 
 hk_status hk_body_impacts_count(hk_body_impacts *s) { return s->bodies->count(s->bodies->self, &s->count); }
@@ -104,9 +106,25 @@ static hk_status sweep(sweeping *w) {
   return status;
 }
 
+static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
+  hk_status status = HK_OK;
+  w->moved = true;
+  for (; status == HK_OK && w->moved && *sweeps < until; ++*sweeps) status = sweep(w);
+  return status;
+}
+
+/* Sweeps find out which impacts push; where they then converge slowly, as along a chain that lies on something,
+ * Newton's iteration has the last word, and a further sweep looks whether others are met now. */
 static hk_status sweep_all(sweeping *w, size_t *sweeps) {
-  hk_status status = sweep(w);
-  for (*sweeps = 1; status == HK_OK && w->moved && *sweeps < w->solver->most; ++*sweeps) status = sweep(w);
+  hk_status status = HK_OK;
+  *sweeps = 0;
+  do {
+    status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
+    bool solved = false;
+    if (status != HK_OK || !w->moved) return status;
+    status = hk_body_newton(w->bodies, w->solver, w->speeds, w->tolerance / 2, w->y, &solved);
+    for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
+  } while (status == HK_OK && *sweeps < w->solver->most);
   return status;
 }
 
@@ -136,7 +154,7 @@ static hk_status settle(const hk_body_impacts *s, const hk_step_move *m) {
 /* Equations that hold already leave everything as it is, so that without one-sided ones a second round is rare. */
 static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
   hk_status status = HK_OK;
-  size_t sweeps;
+  size_t sweeps = 0;
   for (int round = 0; round < ALTERNATIONS; round++) {
     status = linearise(s, w->solver, m);
     if (status == HK_OK) status = sweep_all(w, &sweeps);
@@ -155,7 +173,7 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *solver, hk
   if (status == HK_OK) status = linearise(s, solver, m);
   if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) status = settle(s, m);
-  w.speeds = true, w.y = m->v, w.tolerance = solver->tolerance / m->h;
+  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver->tolerance / m->h;
   if (status == HK_OK) status = solve_speeds(s, &w, m);
   for (size_t e = 0; e < solver->count; e++) {
     done->pushing += solver->impact[e].place.push > 0;

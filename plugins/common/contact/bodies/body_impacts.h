@@ -29,12 +29,17 @@ typedef struct hk_body_impacts {
   const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
   const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
   double t;                /* s, the end of the step */
+  double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
   /* Room */
   hk_body_response *response;
   size_t impacts, used, room;
   uint32_t *particle; /* room */
   double (*block)[9]; /* room: U, row by row */
   double *column;     /* n x 3 */
+  uint32_t *place;    /* n: of a particle in a response */
+  double *matrix;     /* for Newton's iteration */
+  size_t matrix_room;
+  size_t *unknown, unknown_room;
 } hk_body_impacts;
 
 /* In `create`: the service. HK_FAILED: the host has none. */
@@ -52,7 +57,17 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *, hk_contact_solver *, hk_step_m
 hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, const hk_step_move *, size_t e,
                                 const hk_body_response **);
 
+/* ---- body_newton.c ---- */
+
+/* Solves all impacts of a level together that have had an impulse: `speeds`: their velocities, y = v; else y = x.
+ * *solved: to the tolerance (m or m/s); else nothing was changed. */
+hk_status hk_body_newton(hk_body_impacts *, hk_contact_solver *, bool speeds, double tolerance, double *y,
+                         bool *solved);
+
 /* ---- body_contact_law.c ---- */
+
+/* Two unit vectors across n and each other. */
+void hk_vectors_across(const double n[3], double a[3], double b[3]);
 
 /* Solves one impact for its own impulses by its matrix G, with r = sum w y - origin: the changes of its normal and its
  * tangential impulse are added to change[3]. mu: friction. */
