@@ -41,6 +41,14 @@ typedef struct hk_weighted_point {
   double weight[4]; /* 0: that particle does not count */
 } hk_weighted_point;
 
+/* A one-sided equation of one or two particles as a contact: gap + n.(the point's move) >= 0, and where it is closed
+ * n.(the point's velocity) + speed >= 0. */
+typedef struct hk_one_sided {
+  hk_weighted_point point;
+  double n[3];       /* a unit vector */
+  double gap, speed; /* m; m/s, the equation's own */
+} hk_one_sided;
+
 typedef struct hk_body_service {
   void *self;
   /* Of the present topology, from 0. 0: no constraint acts, and the other functions need not be called. HK_NO_MEMORY.
@@ -54,6 +62,9 @@ typedef struct hk_body_service {
   /* Takes the equations as they are at x and v (n x 3): `respond` is for that place until the next call of this or of
    * `settle`. The errors are the constraints'. */
   hk_status (*linearise)(void *self, double t, const double *x, const double *v);
+  /* The one-sided equations at that place, but for those of more than two particles, which `settle` alone knows;
+   * returns how many. */
+  size_t (*one_sided)(void *self, const hk_one_sided **list);
   /* The velocities, m/s, that the impulse (N s) at the point gives to all particles of the bodies that have a part in
    * it; with a mass times a way, kg m, in its place they are ways, m. Writes those rows of `response` (n x 3) and
    * leaves the others, also of particles that are in no body. A body of at most 96 equations has a dense factor of its

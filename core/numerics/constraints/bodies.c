@@ -7,8 +7,8 @@
 #include <string.h>
 
 static void free_lists(hk_body_list *s) {
-  void *arrays[] = {s->of,    s->member_start, s->member,       s->row_start, s->block_at, s->row,  s->block,
-                    s->local, s->edge,         s->factor_start, s->factor,    s->factored, s->room, s->response};
+  void *arrays[] = {s->of,   s->member_start, s->member, s->row_start, s->block_at, s->row,      s->block, s->local,
+                    s->edge, s->factor_start, s->factor, s->factored,  s->room,     s->response, s->pair};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   *s = (hk_body_list){.table = s->table, .dynamics = s->dynamics};
 }
@@ -114,9 +114,10 @@ static hk_status allocate(hk_body_list *s) {
   s->room = malloc((m + 1) * sizeof *s->room);
   s->block = malloc((blocks + 1) * sizeof *s->block);
   s->edge = malloc((m + 1) * sizeof *s->edge);
+  s->pair = malloc((m + 1) * sizeof *s->pair);
   s->response = calloc(3 * n + 1, sizeof *s->response);
   bool fine = s->of && s->member && s->member_start && s->row_start && s->block_at && s->factor_start && s->factored;
-  fine &= s->row && s->local && s->room && s->block && s->edge && s->response;
+  fine &= s->row && s->local && s->room && s->block && s->edge && s->response && s->pair;
   return fine ? HK_OK : no_memory(s);
 }
 
@@ -178,6 +179,12 @@ static size_t edges(void *self, const uint32_t (**pair)[2]) {
   return s->edges;
 }
 
+static size_t one_sided(void *self, const hk_one_sided **list) {
+  const hk_body_list *s = self;
+  *list = s->pair;
+  return s->one_sided;
+}
+
 /* What impacts of one-sided equations take, hk_constraints_project enters into the account of the state. Whoever calls
  * this measures the energy of the whole correction, so it is taken out. */
 static hk_status settle(void *self, double t, double *x, double *v) {
@@ -202,6 +209,7 @@ const hk_body_service *hk_bodies_table(hk_dynamics *d) {
                                        .members = members,
                                        .edges = edges,
                                        .linearise = hk_body_linearise,
+                                       .one_sided = one_sided,
                                        .respond = hk_body_respond,
                                        .mobility = hk_body_mobility,
                                        .push = hk_body_push,

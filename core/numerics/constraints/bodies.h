@@ -23,6 +23,8 @@ struct hk_body_list {
   double *factor;       /* lower triangles, row by row */
   bool *factored;       /* count */
   bool whole_factored;  /* the scene's solver has the present matrix of all equations */
+  size_t one_sided;     /* of the present place */
+  hk_one_sided *pair;   /* equations */
   double *room;         /* equations */
   double *response;     /* particles x 3 */
 };

@@ -6,6 +6,35 @@
 #include <string.h>
 
 static const double dependent = 1e-11; /* of a unit diagonal */
+static const double opposite = 1e-12;  /* J of two particles that one line joins */
+
+/* Equation k, whose first block is b, as a contact of one particle, or of two that it draws along one line. Its value
+ * is per length of J. */
+static bool as_contact(const hk_constraints *c, size_t b, size_t blocks, hk_one_sided *out) {
+  size_t k = c->list.pair[b][0];
+  double size = sqrt(hk_constraint_dot(c->J[b], c->J[b])), sum = 0;
+  if (blocks > 2 || !(size > 0)) return false;
+  *out = (hk_one_sided){{{c->list.pair[b][1]}, {1}}, {0}, c->g[k] / size, c->speed[k] / size};
+  for (size_t a = 0; a < 3; a++) out->n[a] = c->J[b][a] / size;
+  if (blocks == 1) return true;
+  out->point.particle[1] = c->list.pair[b + 1][1];
+  out->point.weight[1] = -1;
+  for (size_t a = 0; a < 3; a++) sum += fabs(c->J[b][a] + c->J[b + 1][a]);
+  return sum <= opposite * size;
+}
+
+static hk_status find_one_sided(hk_body_list *s, double t, const double *x, const double *v) {
+  const hk_constraints *c = s->dynamics->constraints;
+  s->one_sided = 0;
+  if (c->one_sided_count == 0) return HK_OK;
+  hk_status status = hk_constraint_value(s->dynamics, t, x, v);
+  if (status == HK_OK) status = hk_constraint_speed(s->dynamics, t, x, v);
+  for (size_t b = 0, blocks; b < c->blocks && status == HK_OK; b += blocks) {
+    for (blocks = 1; b + blocks < c->blocks && c->list.pair[b + blocks][0] == c->list.pair[b][0];) blocks++;
+    if (c->one_sided[c->list.pair[b][0]] && as_contact(c, b, blocks, &s->pair[s->one_sided])) s->one_sided++;
+  }
+  return status;
+}
 
 hk_status hk_body_linearise(void *self, double t, const double *x, const double *v) {
   hk_body_list *s = self;
@@ -16,9 +45,10 @@ hk_status hk_body_linearise(void *self, double t, const double *x, const double 
   status = hk_constraint_matrix_linearise(s->dynamics, t, x, v);
   if (status != HK_OK) return status;
   hk_constraint_matrix_assemble(c);
+  status = find_one_sided(s, t, x, v);
   memset(s->factored, 0, s->count * sizeof *s->factored);
   s->whole_factored = false;
-  return HK_OK;
+  return status;
 }
 
 /* ---- a dense factor: L of A = L L^T ---- */

@@ -44,9 +44,9 @@ static void relative(double out[3], const hk_impact *k, const hk_impact_level *l
   for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
 }
 
-static bool takes_part(const sweeping *w, size_t e) {
-  if (!w->speeds || w->solver->impact[e].place.push > 0) return true;
-  return w->bodies->touches && w->bodies->touches[e];
+double hk_body_friction(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e) {
+  if (e >= s->contacts) return 0;
+  return s->frictions ? s->frictions[e] : solver->friction;
 }
 
 static bool is_awake(const sweeping *w, size_t e, uint64_t solved) {
@@ -80,7 +80,7 @@ static hk_status relax(sweeping *w, size_t e) {
   if (status != HK_OK) return status;
   for (int i = 0; i < 4; i++) free_mobility += k->frame.w[i] * k->frame.w[i] * w->move->inverse_mass[k->pair.vertex[i]];
   if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
-  double mu = w->bodies->frictions ? w->bodies->frictions[e] : w->solver->friction;
+  double mu = hk_body_friction(w->bodies, w->solver, e);
   hk_body_contact_solve(k, level, response->G, mu, r, change);
   double size = hk_length(change);
   if (!(size > 0)) return HK_OK;
@@ -99,7 +99,7 @@ static hk_status sweep(sweeping *w) {
   w->moved = false;
   for (size_t e = 0; e < w->solver->count && status == HK_OK; e++) {
     hk_impact_level *level = level_of(w, &w->solver->impact[e]);
-    if (!takes_part(w, e) || !is_awake(w, e, level->solved)) continue;
+    if (!w->bodies->takes_part[e] || !is_awake(w, e, level->solved)) continue;
     level->solved = ++w->solver->now;
     status = relax(w, e);
   }
@@ -134,30 +134,75 @@ static bool some_fall_short(const sweeping *w) {
     hk_impact *k = &w->solver->impact[e];
     const hk_impact_level *level = level_of(w, k);
     double r[3];
-    if (!takes_part(w, e) || !(k->mobility > 0)) continue;
+    if (!w->bodies->takes_part[e] || !(k->mobility > 0)) continue;
     relative(r, k, level, w->y);
     if (level->target - hk_dot(r, k->frame.n) > w->tolerance) return true;
   }
   return false;
 }
 
-static hk_status linearise(hk_body_impacts *s, const hk_contact_solver *solver, const hk_step_move *m) {
-  for (size_t e = 0; e < solver->count; e++) s->response[e].known = false;
+/* ---- one-sided equations as impacts ---- */
+
+/* Appends them at the present place, of which the solver's impacts beyond the contacts are then; their sums of impulses
+ * are kept. Of speeds those take part that are closed to the tolerance of `settle`. */
+static void append(hk_body_impacts *s, hk_contact_solver *solver, bool speeds, double closed) {
+  const hk_one_sided *list = NULL;
+  size_t count = s->count ? s->bodies->one_sided(s->bodies->self, &list) : 0;
+  bool anew = solver->count != s->contacts + count;
+  solver->count = s->contacts + count;
+  for (size_t e = 0; e < count; e++) {
+    hk_impact *k = &solver->impact[s->contacts + e];
+    const hk_one_sided *q = &list[e];
+    double place = anew || speeds ? 0 : k->place.push, speed = anew || !speeds ? 0 : k->speed.push;
+    const uint32_t *i = q->point.particle;
+    *k = (hk_impact){.pair = {{i[0], i[1], i[0], i[0]}, HK_EDGE_EDGE, 0, q->gap}};
+    k->frame.w[0] = q->point.weight[0], k->frame.w[1] = q->point.weight[1];
+    hk_copy(k->frame.n, q->n);
+    k->place.push = place, k->speed.push = speed;
+    k->speed.target = -q->speed;
+    k->place.target = -q->gap; /* and the point's present place, see `aim` */
+    s->takes_part[s->contacts + e] = !speeds || q->gap <= closed;
+  }
+}
+
+/* The targets of one-sided equations, from gaps to places at x. */
+static void aim(const hk_body_impacts *s, const hk_contact_solver *solver, const double *x) {
+  for (size_t e = s->contacts; e < solver->count; e++) {
+    hk_impact *k = &solver->impact[e];
+    const hk_impact_level origin = {.target = 0};
+    double r[3];
+    relative(r, k, &origin, x);
+    k->place.target += hk_dot(r, k->frame.n);
+  }
+}
+
+static hk_status linearise(hk_body_impacts *s, const hk_step_move *m) {
   s->used = 0;
   return s->count ? s->bodies->linearise(s->bodies->self, s->t, m->x, m->v) : HK_OK;
+}
+
+/* The impacts of positions, or of speeds, at the place of the last linearisation, x. */
+static void begin_level(hk_body_impacts *s, hk_contact_solver *solver, const double *x, bool speeds) {
+  append(s, solver, speeds, solver->tolerance);
+  aim(s, solver, x);
+  for (size_t e = 0; e < s->contacts; e++)
+    s->takes_part[e] = !speeds || solver->impact[e].place.push > 0 || (s->touches && s->touches[e]);
+  for (size_t e = 0; e < solver->count; e++) s->response[e].known = false;
 }
 
 static hk_status settle(const hk_body_impacts *s, const hk_step_move *m) {
   return s->count ? s->bodies->settle(s->bodies->self, s->t, m->x, m->v) : HK_OK;
 }
 
-/* Equations that hold already leave everything as it is, so that without one-sided ones a second round is rare. */
+/* Equations that hold already leave everything as it is, so that a second round is rare. */
 static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
   hk_status status = HK_OK;
   size_t sweeps = 0;
   for (int round = 0; round < ALTERNATIONS; round++) {
-    status = linearise(s, w->solver, m);
-    if (status == HK_OK) status = sweep_all(w, &sweeps);
+    status = linearise(s, m);
+    if (status != HK_OK) return status;
+    begin_level(s, w->solver, m->x, true);
+    status = sweep_all(w, &sweeps);
     if (status == HK_OK) status = settle(s, m);
     if (status != HK_OK || !some_fall_short(w)) break;
     for (size_t e = 0; e < w->solver->count; e++) w->solver->impact[e].speed.solved = 0;
@@ -165,19 +210,37 @@ static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) 
   return status;
 }
 
-hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *solver, hk_step_move *m,
+/* Room for the contacts and the one-sided equations, whose number is that of the topology. */
+static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
+  const hk_one_sided *list;
+  size_t most = given->count + (s->count ? s->bodies->one_sided(s->bodies->self, &list) : 0);
+  hk_status status = hk_reserve(s->host, &s->response, &s->impacts, most, sizeof *s->response);
+  if (status == HK_OK) status = hk_reserve(s->host, &s->row, &s->rows_room, most, sizeof *s->row);
+  if (status == HK_OK) status = hk_reserve(s->host, &s->takes_part, &s->taking_room, most, sizeof *s->takes_part);
+  if (status == HK_OK && given->count) memcpy(s->row, given->impact, given->count * sizeof *s->row);
+  s->contacts = given->count;
+  return status;
+}
+
+hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_step_move *m,
                                hk_gauss_seidel_result *done) {
-  sweeping w = {s, solver, m, m->x, solver->tolerance, false, false};
+  hk_contact_solver solver = *given;
+  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false};
   *done = (hk_gauss_seidel_result){0};
-  hk_status status = hk_reserve(s->host, &s->response, &s->impacts, solver->count, sizeof *s->response);
-  if (status == HK_OK) status = linearise(s, solver, m);
-  if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
+  hk_status status = linearise(s, m);
+  if (status == HK_OK) status = make_room(s, given);
+  if (status != HK_OK) return status;
+  solver.impact = s->row;
+  begin_level(s, &solver, m->x, false);
+  status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) status = settle(s, m);
-  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver->tolerance / m->h;
+  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
   if (status == HK_OK) status = solve_speeds(s, &w, m);
-  for (size_t e = 0; e < solver->count; e++) {
-    done->pushing += solver->impact[e].place.push > 0;
-    done->impulse += solver->impact[e].speed.push;
+  given->now = solver.now;
+  if (status == HK_OK && given->count) memcpy(given->impact, s->row, given->count * sizeof *s->row);
+  for (size_t e = 0; e < given->count; e++) {
+    done->pushing += given->impact[e].place.push > 0;
+    done->impulse += given->impact[e].speed.push;
   }
   return status;
 }

@@ -31,6 +31,10 @@ typedef struct hk_body_impacts {
   double t;                /* s, the end of the step */
   double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
   /* Room */
+  size_t contacts;  /* of the impacts; those beyond are one-sided equations */
+  hk_impact *row;   /* all of them */
+  bool *takes_part; /* of each, at the present level */
+  size_t rows_room, taking_room;
   hk_body_response *response;
   size_t impacts, used, room;
   uint32_t *particle; /* room */
@@ -59,8 +63,11 @@ hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, co
 
 /* ---- body_newton.c ---- */
 
-/* Solves all impacts of a level together that have had an impulse: `speeds`: their velocities, y = v; else y = x.
- * *solved: to the tolerance (m or m/s); else nothing was changed. */
+/* Of impact e: Coulomb's coefficient; 0 of one-sided equations. */
+double hk_body_friction(const hk_body_impacts *, const hk_contact_solver *, size_t e);
+
+/* Solves all impacts of a level together that take part and have been met: `speeds`: their velocities, y = v; else y =
+ * x. *solved: to the tolerance (m or m/s); else nothing was changed. */
 hk_status hk_body_newton(hk_body_impacts *, hk_contact_solver *, bool speeds, double tolerance, double *y,
                          bool *solved);
 

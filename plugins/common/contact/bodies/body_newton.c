@@ -23,10 +23,7 @@ typedef struct newton {
   double *z, *z_0, *u_0, *u, *rhs, *step, *axis; /* size; axis: size x 3, the direction of each unknown */
 } newton;
 
-static double friction_of(const newton *w, size_t k) {
-  const hk_body_impacts *s = w->bodies;
-  return s->frictions ? s->frictions[w->impact[k]] : w->solver->friction;
-}
+static double friction_of(const newton *w, size_t k) { return hk_body_friction(w->bodies, w->solver, w->impact[k]); }
 
 static const hk_impact_level *level_of(const newton *w, size_t k) {
   const hk_impact *impact = &w->solver->impact[w->impact[k]];
@@ -39,8 +36,7 @@ static void choose(newton *w) {
   const hk_body_impacts *s = w->bodies;
   for (size_t e = 0; e < w->solver->count; e++) {
     const hk_impact *k = &w->solver->impact[e];
-    bool takes_part = !w->speeds || k->place.push > 0 || (s->touches && s->touches[e]);
-    if (!takes_part || !s->response[e].known || !(k->mobility > 0)) continue;
+    if (!s->takes_part[e] || !s->response[e].known || !(k->mobility > 0)) continue;
     w->impact[w->count] = e;
     w->first[w->count] = w->size;
     w->size += unknowns_of(w, w->count++);
