@@ -22,7 +22,7 @@
 #include "plugins/common/contact/bodies/body_impacts.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 
-enum { ROUNDS = 6 /* of solutions and narrow phases in a step */ };
+enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
 
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
@@ -34,8 +34,10 @@ typedef struct contact_times {
 
 typedef struct contact {
   hk_impulse_contact base;
-  hk_body_impacts bodies;         /* particles that constraints join */
-  int64_t began;                  /* the first step was examined */
+  hk_body_impacts bodies; /* particles that constraints join */
+  int64_t began;          /* the first step was examined */
+  int64_t divisions;      /* of the step that ends at `divided`, s */
+  double divided;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   contact_times seconds;
 } contact;
@@ -52,6 +54,8 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     HK_IMPULSE_CONTACT_FIELDS,
     {"began", .integer = HK_AT(contact, began)},
+    {"divisions", .integer = HK_AT(contact, divisions)},
+    {"divided", .number = HK_AT(contact, divided)},
     {"seconds", .number = HK_AT(contact, seconds.all), .flags = HK_SCRATCH},
     {"seconds_of_pairs", .number = HK_AT(contact, seconds.pairs), .flags = HK_SCRATCH},
     {"seconds_of_searches", .number = HK_AT(hk_impulse_contact, cache.seconds), .flags = HK_SCRATCH},
@@ -68,8 +72,8 @@ static hk_status topology(void *self, const hk_view *view) {
   s->moved = host->allocate(host, (view->n + 1) * sizeof *s->moved);
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   if (!s->moved || !s->touched) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  hk_status status = hk_body_impacts_topology(&s->bodies, view);
-  return status == HK_OK ? hk_impulse_contact_topology(&s->base, view) : status;
+  hk_body_impacts_topology(&s->bodies);
+  return hk_impulse_contact_topology(&s->base, view);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -144,14 +148,42 @@ static void warn_of_start(contact *s, const hk_view *view) {
       closed.count, closed.depth, names.one, names.other);
 }
 
+/* Where bodies bounce, a step ends at the first impact, so that the law holds at one instant: a body turns in what is
+ * left of a step after it, and would gain or lose energy by that. *part: of the step; 1: it is taken as it is. */
+static hk_status find_landing(contact *s, const hk_view *view, const hk_correction *c, const hk_step_move *move,
+                              double *part) {
+  hk_contact_solver all = {.count = 0};
+  double slight = left_by_sweeps * hk_contact_scale(&s->base.params);
+  *part = 1;
+  if (s->bodies.count == 0 || !(s->base.restitution > 0) || c->last || s->base.candidates.unsolved == 0) return HK_OK;
+  hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &all);
+  for (size_t e = 0; e < all.count && status == HK_OK; e++) {
+    const hk_impact *k = &all.impact[e];
+    bool body = false, shows = -k->speed_then * (1 - k->part) * c->h > slight && k->part > 0;
+    for (int i = 0; i < 4; i++)
+      body |= k->frame.w[i] != 0 && s->bodies.bodies->of(s->bodies.bodies->self, k->pair.vertex[i]) != UINT32_MAX;
+    if (body && shows) *part = fmin(*part, k->part);
+  }
+  if (view->t > s->divided) {
+    s->divided = view->t;
+    s->divisions = 0;
+  }
+  if (*part < 1 && s->divisions++ >= MOST_DIVISIONS) *part = 1;
+  return status;
+}
+
 static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   const hk_contact_candidates *found = &s->base.candidates;
   hk_impulse_contact_begin(&s->base, view, c);
   uint64_t began = s->now;
-  hk_status status = hk_body_impacts_count(&s->bodies);
+  hk_status status = hk_body_impacts_begin(&s->bodies, view, false);
   if (status == HK_OK) status = find_candidates(s, &move);
   if (status == HK_OK) warn_of_start(s, view);
+  if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
+  c->reject = c->part < 1;
+  if (status != HK_OK || c->reject) return status;
+  c->part = 0;
   for (int round = 0; round < ROUNDS && found->unsafe + found->unsolved > 0; round++) {
     if (status != HK_OK || c->reject) break;
     status = solve(s, view, c, &move);

@@ -85,7 +85,8 @@ static hk_status topology(void *self, const hk_view *view) {
   s->results = (view->n + GRAIN - 1) / GRAIN;
   s->result = s->host->allocate(s->host, (s->results + 1) * sizeof *s->result);
   if (!s->result) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  return hk_body_obstacles_topology(&s->bodies, view);
+  hk_body_obstacles_topology(&s->bodies);
+  return HK_OK;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -212,7 +213,7 @@ static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
   double part = join(&all, &bodies);
   warn_of_depth(s, view, &all, c->h);
   c->reject = all.endless < SIZE_MAX;
-  if (!c->reject && divides(s, view, c->h, &all)) {
+  if (!c->reject && !c->last && divides(s, view, c->h, &all)) {
     c->reject = true;
     c->part = part;
   }

@@ -146,6 +146,12 @@ static void find_root(const hk_obstacle *o, const hk_obstacle_moves *m, const hk
   way->at = hk_feature_gap_at(o, m, f, high, reach);
 }
 
+bool hk_feature_may_touch(const hk_obstacle *o, const hk_obstacle_moves *m, const hk_obstacle_feature *f,
+                          double touching) {
+  double reach = touching + motion_of(o, m, f);
+  return hk_feature_gap_at(o, m, f, 1, reach).gap <= reach;
+}
+
 hk_feature_way hk_feature_way_of(const hk_obstacle *o, const hk_obstacle_moves *m, const hk_obstacle_feature *f,
                                  double touching) {
   double motion = motion_of(o, m, f), reach = touching + motion;

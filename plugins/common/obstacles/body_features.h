@@ -33,7 +33,8 @@ the end */
  * end. */
 hk_feature_gap hk_feature_gap_at(const hk_obstacle *, const hk_obstacle_moves *, const hk_obstacle_feature *, double s,
                                  double reach);
-/* `touching`: m, the gap of contact. */
+/* `touching`: m, the gap of contact, here and below. False: the feature certainly does not touch in the step. */
+bool hk_feature_may_touch(const hk_obstacle *, const hk_obstacle_moves *, const hk_obstacle_feature *, double touching);
 hk_feature_way hk_feature_way_of(const hk_obstacle *, const hk_obstacle_moves *, const hk_obstacle_feature *,
                                  double touching);
 /* m/s, the velocity of the obstacle's surface at the place x, at the part s of the step. */

@@ -65,6 +65,7 @@ bool hk_body_obstacle_impact(hk_impact *out, const hk_body_contact *k, const hk_
   bool inside = k->way.from.gap < -touching && s == 0;
   double turned = again ? 0 : (1 + restitution(k, -u, (u_0 - u_1) / h, (1 - s) * h, h)) * u, gap = fmin(g, 0);
   out->speed.target = again ? 0 : fmax(0, u_1 - turned);
+  out->plastic = again ? 0 : fmax(0, u_1 - u);
   if (g < 0) gap = again || inside ? 0 : fmax(0, g - turned * (1 - s) * h);
   hk_obstacle_surface_velocity(k->obstacle, 1, end->x, out->speed.origin);
   carried(k, m, again ? 1 : s, out->place.origin);

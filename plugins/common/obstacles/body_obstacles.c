@@ -4,30 +4,40 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { ROUNDS = 12, SWEEPS = 200 };
+enum { ROUNDS = 12, SWEEPS = 200, GRAIN = 256 };
 
 /* Of the gap of contact, and of the largest speed: what sweeps leave. Of a step: a landing is at its end from here on.
  * m, of an overlap that nothing can open: what is worth an end. */
-static const double left_by_sweeps = 0.05, left_of_speeds = 1e-12, at_end = 1 - 1e-9, worth_saying = 1e-6;
+static const double left_by_sweeps = 0.05, left_of_speeds = 1e-12, at_end = 1 - 1e-9, worth_saying = 1e-6,
+                    worth_a_cut = 1e3;
 
 hk_status hk_body_obstacles_open(hk_body_obstacles *s, const hk_host *host, const hk_obstacle_set *set) {
   s->set = set;
   return hk_body_impacts_open(&s->impacts, host);
 }
 
-hk_status hk_body_obstacles_topology(hk_body_obstacles *s, const hk_view *view) {
+void hk_body_obstacles_topology(hk_body_obstacles *s) {
   const hk_host *host = s->impacts.host;
   host->release(host, s->taken);
   host->release(host, s->moved);
   host->release(host, s->touched);
   host->release(host, s->end);
+  s->taken = NULL;
+  s->moved = s->touched = NULL;
+  s->end = NULL;
+  hk_body_impacts_topology(&s->impacts);
+}
+
+/* Of particles, where there is something to do. */
+static hk_status make_room(hk_body_obstacles *s, const hk_view *view) {
+  const hk_host *host = s->impacts.host;
+  if (s->end) return HK_OK;
   s->taken = host->allocate(host, view->n + 1);
   s->moved = host->allocate(host, (view->n + 1) * sizeof *s->moved);
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   s->end = host->allocate(host, (6 * view->n + 1) * sizeof *s->end);
-  if (!s->taken || !s->moved || !s->touched || !s->end)
-    return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  return hk_body_impacts_topology(&s->impacts, view);
+  if (s->taken && s->moved && s->touched && s->end) return HK_OK;
+  return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
 }
 
 /* ---- the features ---- */
@@ -62,8 +72,10 @@ hk_status hk_body_obstacles_begin(hk_body_obstacles *s, const hk_view *view) {
   s->features = s->further = 0;
   for (size_t k = 0; k < s->set->count; k++)
     if (s->set->member[k]->edges) s->further += s->set->member[k]->edges->count;
-  hk_status status = hk_body_impacts_count(&s->impacts);
+  hk_status status = hk_body_impacts_begin(&s->impacts, view, s->further > 0);
   if (status != HK_OK || (s->impacts.count == 0 && s->further == 0)) return status;
+  status = make_room(s, view);
+  if (status != HK_OK) return status;
   size_t edges = s->impacts.count ? bodies->edges(bodies->self, &edge) : 0, most = view->n + edges + s->further;
   status = hk_reserve(s->impacts.host, &s->feature, &s->feature_room, most, sizeof *s->feature);
   if (status != HK_OK) return status;
@@ -74,6 +86,7 @@ hk_status hk_body_obstacles_begin(hk_body_obstacles *s, const hk_view *view) {
   add_named(s, view->model);
   size_t pairs = s->features * s->set->count;
   status = hk_reserve(s->impacts.host, &s->solved, &s->solved_room, pairs, sizeof *s->solved);
+  if (status == HK_OK) status = hk_reserve(s->impacts.host, &s->near, &s->near_room, pairs, sizeof *s->near);
   for (size_t k = 0; k < pairs && status == HK_OK; k++) s->solved[k] = false;
   return status;
 }
@@ -95,13 +108,33 @@ static hk_status add_contact(hk_body_obstacles *s, const hk_body_contact *k) {
   return HK_OK;
 }
 
+typedef struct sifting {
+  const hk_body_obstacles *self;
+  const hk_obstacle_moves *moves;
+} sifting;
+
+static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const sifting *t = context;
+  const hk_body_obstacles *s = t->self;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    const hk_obstacle_feature *f = &s->feature[k / s->set->count];
+    const hk_obstacle *o = s->set->member[k % s->set->count];
+    bool meets = !f->against || f->against == o;
+    s->near[k] = meets && hk_feature_may_touch(o, t->moves, f, hk_body_contact_touching(o, t->moves, f));
+  }
+}
+
 static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m) {
   hk_status status = HK_OK;
+  const hk_host *host = s->impacts.host;
+  sifting t = {s, m};
   s->contacts = 0;
+  host->parallel_for(host, s->features * s->set->count, GRAIN, sift_chunk, &t);
   for (size_t f = 0; f < s->features; f++)
     for (size_t o = 0; o < s->set->count && status == HK_OK; o++) {
       hk_body_contact k = {s->set->member[o], f * s->set->count + o, s->feature[f], {.touches = false}};
-      if (k.feature.against && k.feature.against != k.obstacle) continue;
+      if (!s->near[k.index]) continue;
       k.way = hk_feature_way_of(k.obstacle, m, &k.feature, hk_body_contact_touching(k.obstacle, m, &k.feature));
       bool edge = k.feature.end[0] != k.feature.end[1];
       if (!k.way.touches || (edge && !k.way.to.inside_of_edge && !k.way.at.inside_of_edge)) continue;
@@ -180,11 +213,12 @@ static const hk_body_contact *worst_of(const hk_body_obstacles *s, const hk_obst
 }
 
 static hk_status contradiction(const hk_body_obstacles *s, const hk_view *view, const hk_body_contact *worst,
-                               bool *reject) {
+                               double most, bool *reject) {
   const uint32_t *id = view->model->id, *end = worst->feature.end;
   hk_weighted_point point = {{end[0], end[1], end[0], end[0]}, {1 - worst->way.to.place, worst->way.to.place, 0, 0}};
   double mobility = 1;
   hk_status status = HK_OK;
+  if (!(-worst->way.to.gap > most)) return HK_OK; /* the next step goes on with it */
   *reject = true;
   if (s->impacts.count)
     status = s->impacts.bodies->mobility(s->impacts.bodies->self, &point, worst->way.to.n, &mobility);
@@ -221,11 +255,19 @@ static double largest_speed(const hk_body_obstacles *s, const hk_obstacle_moves 
   return most;
 }
 
+/* Whether nothing that bodies touch can give them energy. */
+static bool all_still(const hk_body_obstacles *s) {
+  bool still = true;
+  for (size_t e = 0; e < s->contacts; e++) still &= s->contact[e].obstacle->motion.still;
+  return still;
+}
+
 static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   hk_contact_solver solver = {.most = SWEEPS, .moved = s->moved, .touched = s->touched, .now = s->now};
   hk_gauss_seidel_result done = {0};
   solver.tolerance = left_by_sweeps * hk_body_contact_touching(s->contact->obstacle, m, &s->contact->feature);
+  s->impacts.keeps_energy = all_still(s);
   s->impacts.slowest = left_of_speeds * largest_speed(s, m) + 2e-3 * solver.tolerance / c->h;
   hk_status status = build(s, m, &solver);
   if (status == HK_OK && solver.count) status = hk_body_gauss_seidel(&s->impacts, &solver, &move, &done);
@@ -247,7 +289,10 @@ hk_status hk_body_obstacles_solve(hk_body_obstacles *s, const hk_view *view, hk_
     if (status == HK_OK) status = find_contacts(s, &m);
     if (status == HK_OK) worst = worst_of(s, &m);
   }
-  if (status == HK_OK && worst) status = contradiction(s, view, worst, &c->reject);
+  if (status == HK_OK && worst) {
+    double touching = hk_body_contact_touching(worst->obstacle, &m, &worst->feature);
+    status = contradiction(s, view, worst, fmin(worth_saying, worth_a_cut * touching), &c->reject);
+  }
   c->work += work_of(s, view, c);
   return status;
 }

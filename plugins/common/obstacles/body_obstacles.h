@@ -30,7 +30,8 @@ typedef struct hk_body_obstacles {
   size_t contacts, contact_room;
   hk_body_contact *contact;
   bool *solved; /* features x obstacles: that contact has had its impulse in this step */
-  size_t solved_room;
+  bool *near;   /* features x obstacles: they may touch in the step */
+  size_t solved_room, near_room;
   hk_impact *impact;
   double *friction;
   bool *touch;
@@ -49,7 +50,7 @@ typedef struct hk_body_landing {
 
 /* The set is complete at the first step. */
 hk_status hk_body_obstacles_open(hk_body_obstacles *, const hk_host *, const hk_obstacle_set *);
-hk_status hk_body_obstacles_topology(hk_body_obstacles *, const hk_view *);
+void hk_body_obstacles_topology(hk_body_obstacles *); /* in `topology` */
 /* Before anything else in a step: `features`, of the present equations; 0: there is nothing to do. */
 hk_status hk_body_obstacles_begin(hk_body_obstacles *, const hk_view *);
 /* Finds what touches in the step. */

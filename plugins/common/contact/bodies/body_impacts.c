@@ -4,7 +4,7 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 40 /* sweeps between Newton's iterations */ };
+enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 10 /* sweeps between Newton's iterations */ };
 
 /* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
 static const double held = 1e-12;
@@ -15,15 +15,25 @@ hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   return s->bodies ? HK_OK : host->fail(host, HK_FAILED, "the host has no service bodies/1: take a newer hooke");
 }
 
-hk_status hk_body_impacts_topology(hk_body_impacts *s, const hk_view *view) {
+void hk_body_impacts_topology(hk_body_impacts *s) {
   s->host->release(s->host, s->column);
   s->host->release(s->host, s->place);
-  s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
-  s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
-  return s->column && s->place ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  s->host->release(s->host, s->before);
+  s->column = s->before = NULL;
+  s->place = NULL;
 }
 
-hk_status hk_body_impacts_count(hk_body_impacts *s) { return s->bodies->count(s->bodies->self, &s->count); }
+hk_status hk_body_impacts_begin(hk_body_impacts *s, const hk_view *view, bool needed) {
+  hk_status status = s->bodies->count(s->bodies->self, &s->count);
+  if (status != HK_OK || s->place || (s->count == 0 && !needed)) return status;
+  s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
+  s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
+  s->before = s->host->allocate(s->host, (6 * view->n + 1) * sizeof *s->before);
+  s->n = view->n;
+  return s->column && s->place && s->before
+             ? HK_OK
+             : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+}
 
 /* ---- one impact ---- */
 
@@ -210,6 +220,16 @@ static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) 
   return status;
 }
 
+static hk_status solve_energy(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
+  hk_body_energy_begin(s, m);
+  hk_status status = solve_speeds(s, w, m);
+  if (status != HK_OK || !hk_body_energy_grew(s, w->solver, m)) return status;
+  hk_body_energy_restart(s, w->solver, m);
+  status = solve_speeds(s, w, m);
+  if (status == HK_OK) hk_body_energy_blend(s, m);
+  return status;
+}
+
 /* Room for the contacts and the one-sided equations, whose number is that of the topology. */
 static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
   const hk_one_sided *list;
@@ -235,7 +255,7 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) status = settle(s, m);
   w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
-  if (status == HK_OK) status = solve_speeds(s, &w, m);
+  if (status == HK_OK) status = solve_energy(s, &w, m);
   given->now = solver.now;
   if (status == HK_OK && given->count) memcpy(given->impact, s->row, given->count * sizeof *s->row);
   for (size_t e = 0; e < given->count; e++) {

@@ -25,11 +25,13 @@ typedef struct hk_body_response {
 typedef struct hk_body_impacts {
   const hk_host *host;
   const hk_body_service *bodies;
+  size_t n;                /* particles */
   size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
   const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
   const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
   double t;                /* s, the end of the step */
   double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
+  bool keeps_energy;       /* what is met is at rest: impacts may not add to the kinetic energy (body_energy.c) */
   /* Room */
   size_t contacts;  /* of the impacts; those beyond are one-sided equations */
   hk_impact *row;   /* all of them */
@@ -39,6 +41,7 @@ typedef struct hk_body_impacts {
   size_t impacts, used, room;
   uint32_t *particle; /* room */
   double (*block)[9]; /* room: U, row by row */
+  double *before;     /* 6 n: speeds before impacts, and with the given restitution */
   double *column;     /* n x 3 */
   uint32_t *place;    /* n: of a particle in a response */
   double *matrix;     /* for Newton's iteration */
@@ -48,10 +51,10 @@ typedef struct hk_body_impacts {
 
 /* In `create`: the service. HK_FAILED: the host has none. */
 hk_status hk_body_impacts_open(hk_body_impacts *, const hk_host *);
-/* In `create` and `topology`. */
-hk_status hk_body_impacts_topology(hk_body_impacts *, const hk_view *);
-/* Before a step: `count`, which may have changed with the equations. */
-hk_status hk_body_impacts_count(hk_body_impacts *);
+void hk_body_impacts_topology(hk_body_impacts *); /* in `topology` */
+/* Before a step: `count`, which may have changed with the equations. Room for particles is made where there are bodies,
+ * or where it is `needed` without. */
+hk_status hk_body_impacts_begin(hk_body_impacts *, const hk_view *, bool needed);
 /* As hk_gauss_seidel, for a move that ends at the time t, s. Errors are the constraints'. */
 hk_status hk_body_gauss_seidel(hk_body_impacts *, hk_contact_solver *, hk_step_move *, hk_gauss_seidel_result *);
 
@@ -60,6 +63,17 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *, hk_contact_solver *, hk_step_m
 /* The response of impact e. */
 hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, const hk_step_move *, size_t e,
                                 const hk_body_response **);
+
+/* ---- body_energy.c ---- */
+
+/* Keeps the velocities before impacts; whether those after them, v, have more kinetic energy, where friction and
+ * restitution are at work and nothing may add to it. */
+void hk_body_energy_begin(hk_body_impacts *, const hk_step_move *);
+bool hk_body_energy_grew(const hk_body_impacts *, const hk_contact_solver *, const hk_step_move *);
+/* Takes the speeds back to those before, with targets without restitution. */
+void hk_body_energy_restart(hk_body_impacts *, hk_contact_solver *, hk_step_move *);
+/* After that solution: the mixture of both that has the kinetic energy from before. */
+void hk_body_energy_blend(hk_body_impacts *, hk_step_move *);
 
 /* ---- body_newton.c ---- */
 

@@ -69,6 +69,25 @@ static void impulse_of(double vx, double vz, double e, double mu, bool slides, d
   }
 }
 
+/* J, what the impulse adds to the kinetic energy: J.(v + G J/2). */
+static double gain(double vx, double vz, const double J[2]) {
+  double I = m * L * L / 2, rx = -L / 2 * cos(slope), rz = -L / 2 * sin(slope), turn = rx * J[1] - rz * J[0];
+  return J[0] * vx + J[1] * vz + (J[0] * J[0] + J[1] * J[1]) / (4 * m) + turn * turn / (2 * I);
+}
+
+/* Where e would add energy, the impulse between that of e = 0 and that of e which adds none. */
+static void keep_energy(double vx, double vz, double mu, bool slides, double J[2]) {
+  double dead[2], low = 0, high = 1, both[2];
+  impulse_of(vx, vz, 0, mu, slides, dead);
+  if (gain(vx, vz, J) <= 0) return;
+  for (int k = 0; k < 100; k++) {
+    double part = (low + high) / 2;
+    for (int c = 0; c < 2; c++) both[c] = dead[c] + part * (J[c] - dead[c]);
+    *(gain(vx, vz, both) > 0 ? &high : &low) = part;
+  }
+  for (int c = 0; c < 2; c++) J[c] = both[c];
+}
+
 /* It falls 0.01 m without gravity, and is looked at a little later: centre and spin keep what the impact made. */
 static void drop_rod(double vx, double e, double mu, bool slides) {
   test_engine w;
@@ -83,6 +102,7 @@ static void drop_rod(double vx, double e, double mu, bool slides) {
   test_run(&w);
   test_advance(&w, 0.05);
   impulse_of(vx, -1, e, mu, slides, J);
+  keep_energy(vx, -1, mu, slides, J);
   double spin = (-L / 2 * sin(slope) * J[0] + L / 2 * cos(slope) * J[1]) / I; /* r x J along y, rising z to x */
   const double *p = test_velocity(&w, 1), *q = test_velocity(&w, 2);
   double off = fmax(fabs((p[0] + q[0]) / 2 - vx - J[0] / (2 * m)), fabs((p[2] + q[2]) / 2 + 1 - J[1] / (2 * m)));
@@ -93,7 +113,8 @@ static void drop_rod(double vx, double e, double mu, bool slides) {
   test_engine_close(&w);
 }
 
-/* Without friction, and with: the lower end sticks, or slides. It has left the floor after that. */
+/* Without friction, and with: the lower end sticks, or slides. It has left the floor after that. With vx = 0.3 and e =
+ * 1 the law would add 0.02 J, as friction holds an end that the impact drives back. */
 static void a_rod_that_falls_on_its_end_turns_as_the_closed_form_says(void **state) {
   (void)state;
   drop_rod(0, 1, 0, true);
