@@ -22,7 +22,7 @@
 #include "plugins/common/contact/bodies/body_impacts.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 
-enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
+enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 5 /* of 12 that the host allows */ };
 
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
@@ -155,14 +155,15 @@ static hk_status find_landing(contact *s, const hk_view *view, const hk_correcti
   hk_contact_solver all = {.count = 0};
   double slight = left_by_sweeps * hk_contact_scale(&s->base.params);
   *part = 1;
-  if (s->bodies.count == 0 || !(s->base.restitution > 0) || c->last || s->base.candidates.unsolved == 0) return HK_OK;
+  if (s->bodies.count == 0 || !(s->base.restitution > 0) || c->last) return HK_OK;
+  if (s->base.candidates.unsafe + s->base.candidates.unsolved == 0) return HK_OK;
   hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &all);
   for (size_t e = 0; e < all.count && status == HK_OK; e++) {
     const hk_impact *k = &all.impact[e];
     bool body = false, shows = -k->speed_then * (1 - k->part) * c->h > slight && k->part > 0;
     for (int i = 0; i < 4; i++)
       body |= k->frame.w[i] != 0 && s->bodies.bodies->of(s->bodies.bodies->self, k->pair.vertex[i]) != UINT32_MAX;
-    if (body && shows) *part = fmin(*part, k->part);
+    if (body && shows) *part = fmin(*part, k->part - slight / (2 * k->speed_then * c->h)); /* just closed then */
   }
   if (view->t > s->divided) {
     s->divided = view->t;
@@ -181,14 +182,15 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   if (status == HK_OK) status = find_candidates(s, &move);
   if (status == HK_OK) warn_of_start(s, view);
   if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
+  if (status != HK_OK) return status;
   c->reject = c->part < 1;
-  if (status != HK_OK || c->reject) return status;
-  c->part = 0;
+  if (!c->reject) c->part = 0;
   for (int round = 0; round < ROUNDS && found->unsafe + found->unsolved > 0; round++) {
     if (status != HK_OK || c->reject) break;
     status = solve(s, view, c, &move);
     if (status == HK_OK) status = find_candidates(s, &move);
-    c->reject = s->base.restitution > 0 && hk_contact_candidates_return(found, &move, s->moved, began);
+    bool returns = s->base.restitution > 0 && hk_contact_candidates_return(found, &move, s->moved, began);
+    c->reject = returns && !(c->last && s->bodies.count); /* a body rocks in ever shorter bounces: there they end */
   }
   if (status != HK_OK) return status;
   c->reject |= found->unsafe > 0;
