@@ -32,8 +32,8 @@ typedef struct hk_constraint {
  * pins applied, and the Jacobian J of the equations, an impulse p on the particles changes their velocities by (W - W
  * J^T (J W J^T)^-1 J W) p, the change of least kinetic energy that the equations allow (Gauss's principle; Moreau 1988,
  * Unilateral contact and dry friction in finite freedom dynamics). A body is a set of movable particles that equations
- * join, directly or through each other. One-sided equations (cables) join too, but take no part in `respond`: `settle`
- * has them. */
+ * join, directly or through each other. One-sided equations join too, but take no part in `respond`: their impulses
+ * only push, as those of contacts do, and are solved with these. */
 
 /* sum weight_k x_k of at most four particles: a place on an edge or a face, or the difference of two such places. */
 typedef struct hk_weighted_point {

@@ -10,6 +10,10 @@
  * a step, the step is taken back and halved, and where no halves are short enough, the run ends. Slower particles
  * lose less than that.
  *
+ * Particles that constraints join are bodies: their impulses and multipliers are solved together, and positions are
+ * brought onto the equations before pairs are examined again (contact/bodies/body_impacts.h). Where they bounce, a step
+ * is cut at the landing.
+ *
  * Beside it, the force `repulsion` pushes before surfaces touch: methods of high order keep their accuracy with it, and
  * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
  * brought back at the ends of steps, and of order 2 in impacts that are apart.

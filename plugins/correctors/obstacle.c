@@ -5,6 +5,9 @@
  * that loses half its energy in a bounce is in balance. A step with more impacts than can be counted, such as between
  * plates that close, is taken back; where shorter steps do not help, the run ends.
  *
+ * Particles that constraints join are bodies, and what joins two of them is an edge: common/obstacles/body_obstacles.h
+ * has their law, all of them together. They come after the particles on their own.
+ *
  * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
  * belongs into the step, as the force `penalty` has it. */
 #include "plugins/common/obstacles/body_obstacles.h"

@@ -1,7 +1,7 @@
 /* How bodies respond to an impulse: z of (S J W J^T S) z = -S J W p, and then W p + W J^T S z, with the scaled matrix A
  * of constraint_matrix.c. A small body has a dense Cholesky factor of its rows, made when it is first asked for. A row
  * whose pivot is below `dependent` follows from the rows before it and is left out: the response is the same. */
-#include "core/numerics/constraints/bodies.h"
+#include "core/numerics/constraints/body_response.h"
 
 #include <string.h>
 

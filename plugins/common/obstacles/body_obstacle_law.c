@@ -2,7 +2,7 @@
  * contact that closes at the part s of the step with the normal speed u < 0, the step ends at least with the normal
  * speed u_1 - (1 + e) u and the gap g_1 - (1 + e) u (1 - s) h, where u_1 and g_1 are those without it, and with neither
  * below 0 (impact.h). Friction takes the way and the speed across n since the impact, in the obstacle's frame. */
-#include "plugins/common/obstacles/body_obstacles.h"
+#include "plugins/common/obstacles/body_obstacle_law.h"
 #include "plugins/kit/vector3.h"
 
 /* Of the step: a flight between two bounces that is shorter is none, as in obstacle.c. */

@@ -10,15 +10,7 @@
 #define HK_BODY_OBSTACLES_H
 
 #include "plugins/common/contact/bodies/body_impacts.h"
-#include "plugins/common/obstacles/body_features.h"
-
-/* A feature that touches an obstacle in the step. */
-typedef struct hk_body_contact {
-  const hk_obstacle *obstacle;
-  size_t index; /* of the feature and the obstacle, in hk_body_obstacles.solved */
-  hk_obstacle_feature feature;
-  hk_feature_way way;
-} hk_body_contact;
+#include "plugins/common/obstacles/body_obstacle_law.h"
 
 typedef struct hk_body_obstacles {
   hk_body_impacts impacts;
@@ -58,16 +50,5 @@ hk_status hk_body_obstacles_find(hk_body_obstacles *, const hk_obstacle_moves *,
 /* Solves what was found last: changes x and v of the correction, and adds to its work. `reject`: no solution was found,
  * shorter steps may have one. HK_FAILED: contact and constraints contradict each other. */
 hk_status hk_body_obstacles_solve(hk_body_obstacles *, const hk_view *, hk_correction *);
-
-/* ---- body_obstacle_law.c ---- */
-
-/* Sets the impact of a contact: its frame, targets and origins, without the response. again: only that the gap neither
- * stays closed nor closes. Returns whether its speeds obey the law even without a push on positions. */
-bool hk_body_obstacle_impact(hk_impact *, const hk_body_contact *, const hk_obstacle_moves *, bool again);
-/* m/s, of the feature at the place of `gap` against the obstacle, along n, at the part s of the step. */
-double hk_body_contact_speed(const hk_body_contact *, const hk_obstacle_moves *, const hk_feature_gap *gap,
-                             const double n[3], double s);
-/* m: gaps below are contact; far above what the projection onto constraints leaves, 1e-12 of the largest coordinate. */
-double hk_body_contact_touching(const hk_obstacle *, const hk_obstacle_moves *, const hk_obstacle_feature *);
 
 #endif

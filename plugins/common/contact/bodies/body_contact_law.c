@@ -3,7 +3,7 @@
  * sliding where the cone allows that; else the fixed point of s <- projection of s - r_t/q on the disc of radius mu p,
  * with q at least G's largest tangential eigenvalue, which is s = -mu p r_t/|r_t| (De Saxce and Feng 1998, The
  * bipotential method, section 5). */
-#include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/body_contact_law.h"
 #include "plugins/kit/vector3.h"
 
 #include <float.h>

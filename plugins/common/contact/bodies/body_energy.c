@@ -3,7 +3,7 @@
  * restitution and with none, both keep the equations and their impulses lie in Coulomb's cone; so do all mixtures of
  * them, as both are convex. Without restitution energy is never made (Moreau 1988), so there is a mixture that keeps
  * it: impacts with the largest part of the restitution for which the kinetic energy does not grow. */
-#include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/body_energy.h"
 #include "plugins/kit/vector3.h"
 
 #include <string.h>

@@ -1,6 +1,10 @@
 /* See body_impacts.h. */
 #include "plugins/common/contact/bodies/body_impacts.h"
 
+#include "plugins/common/contact/bodies/body_contact_law.h"
+#include "plugins/common/contact/bodies/body_energy.h"
+#include "plugins/common/contact/bodies/body_newton.h"
+#include "plugins/common/contact/bodies/impact_response.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
@@ -52,11 +56,6 @@ static hk_impact_level *level_of(const sweeping *w, hk_impact *k) { return w->sp
 static void relative(double out[3], const hk_impact *k, const hk_impact_level *level, const double *y) {
   for (int c = 0; c < 3; c++) out[c] = -level->origin[c];
   for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
-}
-
-double hk_body_friction(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e) {
-  if (e >= s->contacts) return 0;
-  return s->frictions ? s->frictions[e] : solver->friction;
 }
 
 static bool is_awake(const sweeping *w, size_t e, uint64_t solved) {

@@ -5,7 +5,8 @@
  * its impact whether it opens, sticks or slips, and is linear then. Where contacts are more than what determines them
  * (four feet of a table), D is singular: a small part of its diagonal is added to the matrix of a round, not to the
  * equations, whose solution it leaves as it is. */
-#include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/body_newton.h"
+#include "plugins/common/contact/bodies/body_contact_law.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 

@@ -1,6 +1,6 @@
-/* Particles that equations join: the graph, and how a body responds to an impulse (core/plugin/constraint.h). */
-#ifndef HK_CONSTRAINT_BODIES_H
-#define HK_CONSTRAINT_BODIES_H
+/* Particles that equations join: the graph, with room for how its bodies respond to impulses. */
+#ifndef HK_BODY_LIST_H
+#define HK_BODY_LIST_H
 
 #include "core/numerics/constraints/constraints.h"
 
@@ -33,12 +33,6 @@ enum { HK_DENSE_BODY = 96 /* equations */ };
 
 /* Finds the graph where the constraints have changed. HK_NO_MEMORY. */
 hk_status hk_body_list_update(hk_body_list *);
-
-/* ---- body_response.c: see hk_body_service for what these do ---- */
-
-hk_status hk_body_linearise(void *self, double t, const double *x, const double *v);
-hk_status hk_body_respond(void *self, const hk_weighted_point *, const double impulse[3], double *response);
-hk_status hk_body_mobility(void *self, const hk_weighted_point *, const double n[3], double *mobility);
-hk_status hk_body_push(void *self, const hk_weighted_point *, const double impulse[3], double *v);
+void hk_body_list_free(hk_body_list *); /* its lists; it is empty then */
 
 #endif

@@ -1,6 +1,6 @@
 /* The columns U of an impact, found when it first needs an impulse: of the particles of the bodies that its four
  * particles are of, and of those of the four that are in none. */
-#include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/impact_response.h"
 
 #include <string.h>
 
