@@ -241,7 +241,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
 }
 
 static double violation(void *self, const hk_view *view) {
-  return hk_obstacle_inside(&((obstacle *)self)->obstacle, view).depth;
+  const obstacle *s = self;
+  return fmax(hk_obstacle_inside(&s->obstacle, view).depth, hk_body_obstacles_depth(&s->bodies, view));
 }
 
 /* What rests on the obstacle, or slides: rounding apart. */

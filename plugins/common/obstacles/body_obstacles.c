@@ -6,8 +6,8 @@
 
 enum { ROUNDS = 12, SWEEPS = 200, GRAIN = 256 };
 
-/* Of the gap of contact, and of the largest speed: what sweeps leave. Of a step: a landing is at its end from here on.
- * m, of an overlap that nothing can open: what is worth an end. */
+/* Of the gap of contact, and of the largest speed: what sweeps leave. Of a step: a landing is at its end from here on,
+ * and at its start before 1 less that. m, of an overlap that nothing can open: what is worth an end. */
 static const double left_by_sweeps = 0.05, left_of_speeds = 1e-12, at_end = 1 - 1e-9, worth_saying = 1e-6,
                     worth_a_cut = 1e3;
 
@@ -25,6 +25,7 @@ void hk_body_obstacles_topology(hk_body_obstacles *s) {
   s->taken = NULL;
   s->moved = s->touched = NULL;
   s->end = NULL;
+  s->features = 0;
   hk_body_impacts_topology(&s->impacts);
 }
 
@@ -156,7 +157,7 @@ static bool first_order(const hk_obstacle_moves *m, size_t i) {
 /* Whether the step is to end where this contact begins: it closes faster than the step changes its speed. */
 static bool lands(const hk_body_contact *k, const hk_obstacle_moves *m) {
   double touching = hk_body_contact_touching(k->obstacle, m, &k->feature), s = k->way.landing;
-  if (!(s > 0) || !(s < at_end) || fabs(k->way.to.gap) <= touching) return false;
+  if (!(s > 1 - at_end) || !(s < at_end) || fabs(k->way.to.gap) <= touching) return false;
   if (first_order(m, k->feature.end[0]) || first_order(m, k->feature.end[1])) return false;
   const double *n = k->way.at.n;
   double u = hk_body_contact_speed(k, m, &k->way.at, n, s);
@@ -219,7 +220,7 @@ static hk_status contradiction(const hk_body_obstacles *s, const hk_view *view, 
   double mobility = 1;
   hk_status status = HK_OK;
   if (!(-worst->way.to.gap > most)) return HK_OK; /* the next step goes on with it */
-  *reject = true;
+  *reject = worst->way.from.gap > -most;          /* what starts inside comes out in some steps */
   if (s->impacts.count)
     status = s->impacts.bodies->mobility(s->impacts.bodies->self, &point, worst->way.to.n, &mobility);
   if (status != HK_OK || mobility > 1e-9 * fmax(view->model->inverse_mass[end[0]], view->model->inverse_mass[end[1]]) ||
@@ -292,7 +293,20 @@ hk_status hk_body_obstacles_solve(hk_body_obstacles *s, const hk_view *view, hk_
   if (status == HK_OK && worst) {
     double touching = hk_body_contact_touching(worst->obstacle, &m, &worst->feature);
     status = contradiction(s, view, worst, fmin(worth_saying, worth_a_cut * touching), &c->reject);
+    c->reject &= !c->last; /* the next steps go on with what is left, and the verdict has what they leave */
   }
   c->work += work_of(s, view, c);
   return status;
+}
+
+double hk_body_obstacles_depth(const hk_body_obstacles *s, const hk_view *view) {
+  const hk_obstacle_moves m = {0, view->x, view->v, view->x, view->v};
+  double depth = 0;
+  for (size_t k = 0; k < s->features * s->set->count; k++) {
+    const hk_obstacle_feature *f = &s->feature[k / s->set->count];
+    const hk_obstacle *o = s->set->member[k % s->set->count];
+    bool edge = f->end[0] != f->end[1];
+    if (edge && (!f->against || f->against == o)) depth = fmax(depth, -hk_feature_gap_at(o, &m, f, 1, 0).gap);
+  }
+  return depth;
 }

@@ -50,5 +50,7 @@ hk_status hk_body_obstacles_find(hk_body_obstacles *, const hk_obstacle_moves *,
 /* Solves what was found last: changes x and v of the correction, and adds to its work. `reject`: no solution was found,
  * shorter steps may have one. HK_FAILED: contact and constraints contradict each other. */
 hk_status hk_body_obstacles_solve(hk_body_obstacles *, const hk_view *, hk_correction *);
+/* m, how deep edges are inside obstacles at the present state; 0: nowhere. */
+double hk_body_obstacles_depth(const hk_body_obstacles *, const hk_view *);
 
 #endif
