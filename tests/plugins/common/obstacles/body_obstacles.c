@@ -316,6 +316,26 @@ static void a_bar_is_caught_in_its_middle(void **state) {
   test_engine_close(&w);
 }
 
+/* Two particles on both sides of a box, and the edge between them, which the script names, 5 cm below its top: it comes
+ * out, at once or in some steps, and ends no run. */
+static void a_named_edge_that_starts_inside_comes_out(void **state) {
+  test_engine w;
+  const uint32_t edge[1][2] = {{1, 2}};
+  (void)state;
+  open_world(&w, 1e-3);
+  test_particle(&w, -1, 0, 0.05, 1);
+  test_particle(&w, 1, 0, 0.05, 1);
+  hk_plugin_spec *box = add(&w, "box", 0, 0);
+  test_vector(&w, box, "size", 0.2, 0.2, 0.2);
+  test_edges(&w, box, edge, 1);
+  test_run(&w);
+  test_advance(&w, 0.1);
+  const double *p = test_position(&w, 1), *q = test_position(&w, 2);
+  print_message("an edge that started inside: its middle at %.12g m, the top at 0.1 m\n", (p[2] + q[2]) / 2);
+  assert_true((p[2] + q[2]) / 2 > 0.1 - 1e-9 && (p[2] + q[2]) / 2 < 0.11);
+  test_engine_close(&w);
+}
+
 /* ---- what cannot be ---- */
 
 static hk_status pushed(const hk_function *f, const void *caller, const double *t, size_t count, double *out,
@@ -353,6 +373,7 @@ int main(void) {
       cmocka_unit_test(a_tetrahedron_that_falls_dead_comes_to_rest),
       cmocka_unit_test(links_that_fall_over_a_cylinder_do_not_cut_it),
       cmocka_unit_test(a_bar_is_caught_in_its_middle),
+      cmocka_unit_test(a_named_edge_that_starts_inside_comes_out),
       cmocka_unit_test(a_floor_that_rises_through_a_tripod_ends_the_run),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
