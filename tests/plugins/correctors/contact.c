@@ -269,8 +269,8 @@ static void add_rock(test_engine *e, double size) {
   for (int k = 0; k < 8; k++) add_triangle(e, id[k & 1], id[2 + (k >> 1 & 1)], id[4 + (k >> 2 & 1)]);
 }
 
-/* A particle that comes to 0.1 mm from a triangle in a step of 10 ms, and would go 2.9 mm into it in the next one, of 3 ms:
- * the way of the long step has used up what the pair was known to be apart. */
+/* A particle that comes to 0.1 mm from a triangle in a step of 10 ms, and would go 2.9 mm into it in the next one, of 3
+ * ms: the way of the long step has used up what the pair was known to be apart. */
 static void a_short_step_after_a_long_one_is_examined(void **state) {
   test_engine t;
   uint32_t id[3];
