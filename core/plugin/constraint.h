@@ -26,4 +26,59 @@ typedef struct hk_constraint {
   hk_status (*update)(void *self, const hk_view *view, bool *changed);
 } hk_constraint;
 
+/* ---- "bodies/1", which the host serves itself -------------------------------------------------------------------- */
+
+/* Particles that constraints join move together, so an impulse on one of them moves all. With the inverse masses W,
+ * pins applied, and the Jacobian J of the equations, an impulse p on the particles changes their velocities by (W - W
+ * J^T (J W J^T)^-1 J W) p, the change of least kinetic energy that the equations allow (Gauss's principle; Moreau 1988,
+ * Unilateral contact and dry friction in finite freedom dynamics). A body is a set of movable particles that equations
+ * join, directly or through each other. One-sided equations join too, but take no part in `respond`: their impulses
+ * only push, as those of contacts do, and are solved with these. */
+
+/* sum weight_k x_k of at most four particles: a place on an edge or a face, or the difference of two such places. */
+typedef struct hk_weighted_point {
+  uint32_t particle[4];
+  double weight[4]; /* 0: that particle does not count */
+} hk_weighted_point;
+
+/* A one-sided equation of one or two particles as a contact: gap + n.(the point's move) >= 0, and where it is closed
+ * n.(the point's velocity) + speed >= 0. */
+typedef struct hk_one_sided {
+  hk_weighted_point point;
+  double n[3];       /* a unit vector */
+  double gap, speed; /* m; m/s, the equation's own */
+} hk_one_sided;
+
+typedef struct hk_body_service {
+  void *self;
+  /* Of the present topology, from 0. 0: no constraint acts, and the other functions need not be called. HK_NO_MEMORY.
+   */
+  hk_status (*count)(void *self, size_t *bodies);
+  uint32_t (*of)(void *self,
+                 uint32_t particle); /* its body; UINT32_MAX: no equation has it, or a pin holds it for ever */
+  /* The particles of a body, rising; returns how many. Valid until the topology changes, as the next list. */
+  size_t (*members)(void *self, uint32_t body, const uint32_t **particle);
+  size_t (*edges)(void *self, const uint32_t (**pair)[2]); /* the pairs that an equation of two particles joins */
+  /* Takes the equations as they are at x and v (n x 3): `respond` is for that place until the next call of this or of
+   * `settle`. The errors are the constraints'. */
+  hk_status (*linearise)(void *self, double t, const double *x, const double *v);
+  /* The one-sided equations at that place, but for those of more than two particles, which `settle` alone knows;
+   * returns how many. */
+  size_t (*one_sided)(void *self, const hk_one_sided **list);
+  /* The velocities, m/s, that the impulse (N s) at the point gives to all particles of the bodies that have a part in
+   * it; with a mass times a way, kg m, in its place they are ways, m. Writes those rows of `response` (n x 3) and
+   * leaves the others, also of particles that are in no body. A body of at most 96 equations has a dense factor of its
+   * own, which is made once and serves until the next `linearise`; larger ones take the scene's solver. Equations that
+   * follow from others are found by their pivots. */
+  hk_status (*respond)(void *self, const hk_weighted_point *, const double impulse[3], double *response);
+  /* n.(W - ...).n of the point for a unit vector n, 1/kg: how easily it is moved along n; 0: it cannot be. Of particles
+   * in no body it is sum weight^2/m. */
+  hk_status (*mobility)(void *self, const hk_weighted_point *, const double n[3], double *mobility);
+  /* v (n x 3) after that impulse, also of particles in no body. */
+  hk_status (*push)(void *self, const hk_weighted_point *, const double impulse[3], double *v);
+  /* Brings x and v onto all equations, the one-sided ones among them, as the host does after each corrector: Newton's
+   * iteration to 1e-12 of the largest coordinate. HK_NOT_CONVERGED: constraints contradict each other there. */
+  hk_status (*settle)(void *self, double t, double *x, double *v);
+} hk_body_service;
+
 #endif

@@ -26,6 +26,8 @@ typedef struct hk_correction {
   /* n x 3: zeroes the directions that pins forbid; NULL: no pin slides */
   void (*filter)(const struct hk_correction *, double *vector);
   const void *pins; /* the host's, for `filter` */
+  bool last; /* the step cannot be made shorter: `reject` ends the run, and what would only end a step where something
+                happens is to be left; since minor 2 */
 } hk_correction;
 
 typedef struct hk_corrector {

@@ -11,6 +11,10 @@
  * a step, the step is taken back and halved, and where no halves are short enough, the run ends. Slower particles
  * lose less than that.
  *
+ * Particles that constraints join are bodies: their impulses and multipliers are solved together, and positions are
+ * brought onto the equations before pairs are examined again (contact/bodies/body_impacts.h). Where they bounce, a step
+ * is cut at the landing.
+ *
  * Beside it, the force `repulsion` pushes before surfaces touch: methods of high order keep their accuracy with it, and
  * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
  * brought back at the ends of steps, and of order 2 in impacts that are apart.
@@ -20,10 +24,11 @@
  * the force `repulsion` 60 s for 0.43 s of it, 38,796 steps (hooke run scripts/scenes/twist.lua contact=impulses,
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
+#include "plugins/common/contact/bodies/body_impacts.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
 
-enum { ROUNDS = 6 /* of solutions and narrow phases in a step */ };
+enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 5 /* of 12 that the host allows */ };
 
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
@@ -35,7 +40,10 @@ typedef struct contact_times {
 
 typedef struct contact {
   hk_impulse_contact base;
-  int64_t began;                  /* the first step was examined */
+  hk_body_impacts bodies; /* particles that constraints join */
+  int64_t began;          /* the first step was examined */
+  int64_t divisions;      /* of the step that ends at `divided`, s */
+  double divided;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   hk_array known;                 /* hk_warm_pair: the impulses of the last step */
   contact_times seconds;
@@ -54,6 +62,8 @@ static const hk_field fields[] = {
     HK_IMPULSE_CONTACT_FIELDS,
     {"began", .integer = HK_AT(contact, began)},
     {"known", .array = HK_AT(contact, known), .width = sizeof(hk_warm_pair)},
+    {"divisions", .integer = HK_AT(contact, divisions)},
+    {"divided", .number = HK_AT(contact, divided)},
     {"seconds", .number = HK_AT(contact, seconds.all), .flags = HK_SCRATCH},
     {"seconds_of_pairs", .number = HK_AT(contact, seconds.pairs), .flags = HK_SCRATCH},
     {"seconds_of_searches", .number = HK_AT(hk_impulse_contact, cache.seconds), .flags = HK_SCRATCH},
@@ -69,6 +79,7 @@ static hk_status open_particles(contact *s, const hk_view *view) {
   s->moved = host->allocate(host, (view->n + 1) * sizeof *s->moved);
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   if (!s->moved || !s->touched) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  hk_body_impacts_topology(&s->bodies);
   return hk_impulse_contact_topology(&s->base, view);
 }
 
@@ -82,6 +93,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
   hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
+  if (status == HK_OK) status = hk_body_impacts_open(&s->bodies, host);
   return status == HK_OK ? open_particles(s, view) : status;
 }
 
@@ -108,10 +120,17 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (!c->changed) hk_impulse_contact_keep_free(&s->base, view, c);
   hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &solver);
   if (status != HK_OK) return status;
-  bool first = !s->base.candidates.solved;
+  hk_gauss_seidel_result done = {0};
+  bool single = s->bodies.count == 0, first = single && !s->base.candidates.solved;
+  s->bodies.t = view->t;
   if (first) hk_warm_start_give(&s->known, &solver, move->h);
-  hk_gauss_seidel_result done = hk_gauss_seidel(&solver, move);
-  s->base.candidates.touched = s->touched, s->base.candidates.since = s->now;
+  if (single)
+    done = hk_gauss_seidel(&solver, move);
+  else
+    status = hk_body_gauss_seidel(&s->bodies, &solver, move, &done);
+  if (status != HK_OK) return status;
+  s->base.candidates.touched = single ? s->touched : NULL; /* constraints move more than impacts touch */
+  s->base.candidates.since = s->now;
   s->now = solver.now;
   hk_contact_candidates_remember(&s->base.candidates, &solver);
   if (first) status = hk_warm_start_keep(&s->known, s->base.host, &solver, move->h);
@@ -146,18 +165,49 @@ static void warn_of_start(contact *s, const hk_view *view) {
       closed.count, closed.depth, names.one, names.other);
 }
 
+/* Where bodies bounce, a step ends at the first impact, so that the law holds at one instant: a body turns in what is
+ * left of a step after it, and would gain or lose energy by that. *part: of the step; 1: it is taken as it is. */
+static hk_status find_landing(contact *s, const hk_view *view, const hk_correction *c, const hk_step_move *move,
+                              double *part) {
+  hk_contact_solver all = {.count = 0};
+  double slight = left_by_sweeps * hk_contact_scale(&s->base.params);
+  *part = 1;
+  if (s->bodies.count == 0 || !(s->base.restitution > 0) || c->last) return HK_OK;
+  if (s->base.candidates.unsafe + s->base.candidates.unsolved == 0) return HK_OK;
+  hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &all);
+  for (size_t e = 0; e < all.count && status == HK_OK; e++) {
+    const hk_impact *k = &all.impact[e];
+    bool body = false, shows = -k->speed_then * (1 - k->part) * c->h > slight && k->part > 0;
+    for (int i = 0; i < 4; i++)
+      body |= k->frame.w[i] != 0 && s->bodies.bodies->of(s->bodies.bodies->self, k->pair.vertex[i]) != UINT32_MAX;
+    if (body && shows) *part = fmin(*part, k->part - slight / (2 * k->speed_then * c->h)); /* just closed then */
+  }
+  if (view->t > s->divided) {
+    s->divided = view->t;
+    s->divisions = 0;
+  }
+  if (*part < 1 && s->divisions++ >= MOST_DIVISIONS) *part = 1;
+  return status;
+}
+
 static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   const hk_contact_candidates *found = &s->base.candidates;
   hk_impulse_contact_begin(&s->base, view, c);
   uint64_t began = s->now;
-  hk_status status = find_candidates(s, &move);
+  hk_status status = hk_body_impacts_begin(&s->bodies, view, false);
+  if (status == HK_OK) status = find_candidates(s, &move);
   if (status == HK_OK) warn_of_start(s, view);
+  if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
+  if (status != HK_OK) return status;
+  c->reject = c->part < 1;
+  if (!c->reject) c->part = 0;
   for (int round = 0; round < ROUNDS && found->unsafe + found->unsolved > 0; round++) {
     if (status != HK_OK || c->reject) break;
     status = solve(s, view, c, &move);
     if (status == HK_OK) status = find_candidates(s, &move);
-    c->reject = s->base.restitution > 0 && hk_contact_candidates_return(found, &move, s->moved, began);
+    bool returns = s->base.restitution > 0 && hk_contact_candidates_return(found, &move, s->moved, began);
+    c->reject = returns && !(c->last && s->bodies.count); /* a body rocks in ever shorter bounces: there they end */
   }
   if (status != HK_OK) return status;
   c->reject |= found->unsafe > 0;

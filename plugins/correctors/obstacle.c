@@ -5,8 +5,12 @@
  * that loses half its energy in a bounce is in balance. A step with more impacts than can be counted, such as between
  * plates that close, is taken back; where shorter steps do not help, the run ends.
  *
+ * Particles that constraints join are bodies, and what joins two of them is an edge: common/obstacles/body_obstacles.h
+ * has their law, all of them together. They come after the particles on their own.
+ *
  * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
  * belongs into the step, as the force `penalty` has it. */
+#include "plugins/common/obstacles/body_obstacles.h"
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
@@ -37,6 +41,8 @@ typedef struct obstacle {
   int64_t warned;        /* of a particle that came to be inside during the run */
   hk_obstacle obstacle;
   hk_surface surface;
+  hk_tuples edges;
+  hk_body_obstacles bodies; /* of the last obstacle of a scene alone */
   const hk_obstacles *all;
   chunk_result *result;
   size_t results;
@@ -51,6 +57,10 @@ static const hk_param params[] = {
      "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
      "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
      .integer = HK_AT(obstacle, divide), .initial = {4}, .limits = HK_WITHIN(0, 1e9)},
+    {"edges", "",
+     "pairs of particles between which the obstacles of the scene do not come either, such as springs; "
+     "those that bars, cables and welds join are kept out without being named",
+     .edges = HK_AT(obstacle, edges), .flags = HK_OPTIONAL},
     {0},
 };
 
@@ -77,7 +87,9 @@ static hk_status topology(void *self, const hk_view *view) {
   s->host->release(s->host, s->result);
   s->results = (view->n + GRAIN - 1) / GRAIN;
   s->result = s->host->allocate(s->host, (s->results + 1) * sizeof *s->result);
-  return s->result ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  if (!s->result) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  hk_body_obstacles_topology(&s->bodies);
+  return HK_OK;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -93,7 +105,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   warn_of_start(s, view);
   s->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!s->all) return HK_FAILED;
-  status = s->all->enter(s->all->self, &s->obstacle);
+  s->obstacle.edges = s->edges.count ? &s->edges : NULL;
+  status = hk_body_obstacles_open(&s->bodies, host, s->all->set);
+  if (status == HK_OK) status = s->all->enter(s->all->self, &s->obstacle);
   return status == HK_OK ? topology(self, view) : status;
 }
 
@@ -134,8 +148,9 @@ static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   bool near[GRAIN];
   hk_obstacles_sift(t->self->all->set, &(hk_obstacle_moves){t->c->h, t->c->x_before, t->c->v_before, t->c->x, t->c->v},
                     begin, end, near);
+  const bool *elsewhere = t->self->bodies.features ? t->self->bodies.taken : NULL;
   for (size_t i = begin; i < end; i++)
-    if (near[i - begin] && t->view->model->inverse_mass[i] > 0) meet(t, i, r);
+    if (near[i - begin] && t->view->model->inverse_mass[i] > 0 && !(elsewhere && elsewhere[i])) meet(t, i, r);
 }
 
 static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *all, double h) {
@@ -160,7 +175,7 @@ static bool divides(obstacle *s, const hk_view *view, double h, const chunk_resu
   return s->divisions++ < MOST_DIVISIONS;
 }
 
-static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
+static chunk_result sum_of(const obstacle *s) {
   chunk_result all = nothing;
   for (size_t k = 0; k < s->results; k++) {
     const chunk_result *r = &s->result[k];
@@ -172,21 +187,42 @@ static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
     if (r->endless < all.endless) all.endless = r->endless;
     if (r->depth > all.depth) all.depth = r->depth, all.deepest = r->deepest;
   }
+  return all;
+}
+
+/* What bodies do joins what particles on their own have done. Returns the part of the step at which it is to end where
+ * something lands. */
+static double join(chunk_result *all, const hk_body_landing *bodies) {
+  double particles = all->landing + beyond;
+  if (bodies->depth > all->depth) all->depth = bodies->depth, all->deepest = bodies->deepest;
+  bool first = bodies->landings && bodies->part < particles;
+  all->landings += bodies->landings;
+  all->landing = fmin(all->landing, bodies->part);
+  return first ? bodies->part : particles;
+}
+
+static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
+  const hk_obstacle_moves moves = {c->h, c->x_before, c->v_before, c->x, c->v};
+  hk_body_landing bodies = {.part = 1};
+  chunk_result all = sum_of(s);
   if (all.slider < SIZE_MAX)
     return s->host->fail(
         s->host, HK_FAILED,
         "particle %u slides on a pin and meets an obstacle at t = %g s: the law of impact is for particles "
         "that are free; keep it away from the obstacle",
         view->model->id[all.slider], view->t);
+  hk_status status = s->bodies.features ? hk_body_obstacles_find(&s->bodies, &moves, &bodies) : HK_OK;
+  if (status != HK_OK) return status;
+  double part = join(&all, &bodies);
   warn_of_depth(s, view, &all, c->h);
   c->reject = all.endless < SIZE_MAX;
-  if (!c->reject && divides(s, view, c->h, &all)) {
+  if (!c->reject && !c->last && divides(s, view, c->h, &all)) {
     c->reject = true;
-    c->part = all.landing + beyond;
+    c->part = part;
   }
   c->changed = all.changed;
   c->work = all.work;
-  return HK_OK;
+  return c->reject || !s->bodies.features ? HK_OK : hk_body_obstacles_solve(&s->bodies, view, c);
 }
 
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
@@ -197,13 +233,16 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_motion_of(&s->obstacle.motion, s->history.item);
   hk_obstacle_take_radii(&s->obstacle, &s->params, view);
   if (set->member[set->count - 1] != &s->obstacle) return HK_OK;
+  hk_status status = hk_body_obstacles_begin(&s->bodies, view);
+  if (status != HK_OK) return status;
   task t = {s, view, c};
   s->host->parallel_for(s->host, view->n, GRAIN, meet_chunk, &t);
   return collect(s, view, c);
 }
 
 static double violation(void *self, const hk_view *view) {
-  return hk_obstacle_inside(&((obstacle *)self)->obstacle, view).depth;
+  const obstacle *s = self;
+  return fmax(hk_obstacle_inside(&s->obstacle, view).depth, hk_body_obstacles_depth(&s->bodies, view));
 }
 
 /* What rests on the obstacle, or slides: rounding apart. */

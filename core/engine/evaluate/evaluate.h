@@ -32,6 +32,7 @@ typedef struct hk_constraints hk_constraints;         /* core/numerics/constrain
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* core/numerics/implicit */
 typedef struct hk_saddle_point hk_saddle_point;
 typedef struct hk_asked_solver hk_asked_solver; /* core/numerics/matrix */
+typedef struct hk_body_list hk_body_list;       /* core/numerics/constraints */
 
 typedef struct hk_counts {
   size_t evaluations, jacobians, factorizations, linear_iterations;
@@ -98,6 +99,7 @@ struct hk_dynamics {
   hk_instance *special;        /* the solver for matrices of a kind, which is preferred where it fits; or NULL */
   hk_plugin_spec *solver_spec, *special_spec; /* specs of solvers that the run has chosen */
   hk_asked_solver *asked;                     /* what plugins solve systems of their own with; NULL: none does */
+  hk_body_list *bodies;                       /* particles that constraints join; NULL: no plugin asks for them */
 };
 
 /* ---- system.c ---- */

@@ -103,7 +103,7 @@ static hk_status reject(hk_loop *loop, const hk_instance *corrector, double part
   return HK_OK;
 }
 
-hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
+hk_status hk_correctors_apply(hk_loop *loop, double h, bool last, bool *rejected) {
   const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
   hk_state *s = loop->state;
   account done = {0};
@@ -113,7 +113,7 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < correctors->count && status == HK_OK; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
-    hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
+    hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n, .last = last};
     if (loop->pins->has_slides) c.filter = filter, c.pins = loop->pins;
     if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
     if (done.moved && is_measured(loop, functions)) done.before = energy_of(loop, s->X);

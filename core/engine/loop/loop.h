@@ -185,7 +185,8 @@ static inline double hk_loop_work(const hk_state *s, const hk_record *r) { retur
 /* ---- correctors.c ---- */
 
 bool hk_correctors_need_start(const hk_loop *); /* whether a corrector needs the state before the step */
-/* *rejected: a corrector rejected the step; the state before the step is then restored. */
-hk_status hk_correctors_apply(hk_loop *, double h, bool *rejected);
+/* last: the step cannot be made shorter. *rejected: a corrector rejected the step; the state before the step is then
+ * restored. */
+hk_status hk_correctors_apply(hk_loop *, double h, bool last, bool *rejected);
 
 #endif

@@ -245,7 +245,9 @@ static hk_status encounters(hk_loop *loop, hk_attempt *a) {
   return HK_OK;
 }
 
-static hk_status correctors(hk_loop *loop, hk_attempt *a) { return hk_correctors_apply(loop, a->out.h, &a->rejected); }
+static hk_status correctors(hk_loop *loop, hk_attempt *a) {
+  return hk_correctors_apply(loop, a->out.h, a->last, &a->rejected);
+}
 
 static hk_status acceptance(hk_loop *loop, hk_attempt *a) { return hk_step_accept(loop, a->out.h, a->out.error); }
 

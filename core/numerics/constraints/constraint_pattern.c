@@ -140,7 +140,7 @@ static void find_pins(hk_dynamics *d, uint32_t (*pin_of)[2]) {
   }
 }
 
-static bool held_for_ever(const hk_dynamics *d, uint32_t pin) {
+bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
   if (pin == UINT32_MAX) return false;
   const hk_pin_spec *spec = d->pins->item[pin].spec;
   return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
@@ -151,10 +151,10 @@ static void by_particle(const hk_dynamics *d, size_t *start, uint32_t *order) {
   const hk_constraints *c = d->constraints;
   size_t n = d->state->model.n;
   for (size_t b = 0; b < c->blocks; b++)
-    if (!held_for_ever(d, c->pin[b])) start[c->list.pair[b][1] + 2]++;
+    if (!hk_constraint_held(d, c->pin[b])) start[c->list.pair[b][1] + 2]++;
   for (size_t i = 0; i < n; i++) start[i + 2] += start[i + 1];
   for (size_t b = 0; b < c->blocks; b++)
-    if (!held_for_ever(d, c->pin[b])) order[start[c->list.pair[b][1] + 1]++] = (uint32_t)b;
+    if (!hk_constraint_held(d, c->pin[b])) order[start[c->list.pair[b][1] + 1]++] = (uint32_t)b;
 }
 
 static void name_pair(hk_constraints *c, size_t row, size_t column) {

@@ -121,6 +121,9 @@ void hk_constraint_account(hk_dynamics *, double begin, bool whole);
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
 
+/* Whether that pin, UINT32_MAX: none, holds its particles to the end of the run, so that they join no equations. */
+bool hk_constraint_held(const hk_dynamics *, uint32_t pin);
+
 /* ---- constraint_matrix.c ---- */
 
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
@@ -152,6 +155,11 @@ void hk_constraint_note_start(hk_constraints *); /* g and, in c->residual, dg/dt
 /* *part: the part of a step of h s to x and v, in (0, 1), at which a one-sided equation is met that was not met at its
  * start; 1: none is before the end. */
 hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, double h, double *part);
+
+/* ---- bodies.c: particles that equations join, "bodies/1" (core/plugin/constraint.h) ---- */
+
+const hk_body_service *hk_bodies_table(hk_dynamics *); /* NULL: no memory */
+void hk_bodies_close(hk_dynamics *);
 
 /* ---- release_lists.c ---- */
 

@@ -51,6 +51,8 @@ hk_status hk_install_chosen_solver(hk_dynamics *d) { return hk_solver_choose(d);
 
 const void *hk_install_asked_solvers(hk_dynamics *d, const hk_plugin_spec *scene) { return hk_asked_solvers(d, scene); }
 
+const void *hk_install_bodies(hk_dynamics *d) { return hk_bodies_table(d); }
+
 hk_status hk_install_sources(hk_loop *loop) {
   if (loop->plugins->kind[HK_SOURCE].count == 0) return HK_OK;
   loop->population = hk_population_open(loop->state);
@@ -60,6 +62,7 @@ hk_status hk_install_sources(hk_loop *loop) {
 
 void hk_install_close(hk_dynamics *d, hk_loop *loop) {
   hk_asked_solvers_close(d);
+  hk_bodies_close(d);
   hk_saddle_point_close(d);
   hk_constraints_close(d);
   hk_jacobian_close(d);

@@ -16,6 +16,8 @@ hk_status hk_install_solvers(hk_dynamics *, const hk_instance *integrator, const
 hk_status hk_install_chosen_solver(hk_dynamics *);
 /* The table of "solvers/1": linear systems of plugins that are no methods; `scene` as above. NULL: no memory. */
 const void *hk_install_asked_solvers(hk_dynamics *, const hk_plugin_spec *scene);
+/* The table of "bodies/1": particles that constraints join. NULL: no memory. */
+const void *hk_install_bodies(hk_dynamics *);
 /* Births and deaths, in a scene with sources. */
 hk_status hk_install_sources(hk_loop *);
 /* Frees all of it; the parts may be zero. */

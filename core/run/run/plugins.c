@@ -105,6 +105,7 @@ const void *hk_run_query(void *context, const char *wanted) {
   if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
   if (strcmp(wanted, "strands/1") == 0) return &run->scene->strands;
   if (strcmp(wanted, "solvers/1") == 0) return hk_install_asked_solvers(&run->dynamics, run->overrides.solver);
+  if (strcmp(wanted, "bodies/1") == 0) return hk_install_bodies(&run->dynamics);
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);

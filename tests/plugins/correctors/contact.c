@@ -269,6 +269,29 @@ static void add_rock(test_engine *e, double size) {
   for (int k = 0; k < 8; k++) add_triangle(e, id[k & 1], id[2 + (k >> 1 & 1)], id[4 + (k >> 2 & 1)]);
 }
 
+/* A particle that comes to 0.1 mm from a triangle in a step of 10 ms, and would go 2.9 mm into it in the next one, of 3
+ * ms: the way of the long step has used up what the pair was known to be apart. */
+static void a_short_step_after_a_long_one_is_examined(void **state) {
+  test_engine t;
+  uint32_t id[3];
+  (void)state;
+  open_world(&t, 0.01);
+  t.scene->fps = 1;
+  for (int k = 0; k < 3; k++) {
+    id[k] = put(&t, (double[]){5 * cos(2.1 * k), 5 * sin(2.1 * k), 0}, NULL, 1);
+    test_pin(&t, HK_PIN_FIXED, id[k], NULL);
+  }
+  add_triangle(&t, id[0], id[1], id[2]);
+  uint32_t ball = put(&t, (double[]){0, 0, radius + 0.0101}, (double[]){0, 0, -1}, 0.2);
+  add_contact(&t, "contact", 1, 0);
+  test_run(&t);
+  test_advance(&t, 0.01);
+  test_advance(&t, 0.013);
+  assert_true(fabs(test_position(&t, ball)[2] - radius - 0.0029) < exact);
+  assert_true(fabs(test_velocity(&t, ball)[2] - 1) < exact);
+  test_engine_close(&t);
+}
+
 /* A sheet falls on a rock and over it onto itself. Frames are steps: intersections are counted at each. */
 static void drape(test_engine *e, const char *corrector, int threads) {
   open_world(e, 1e-3);
@@ -516,6 +539,7 @@ int main(void) {
       cmocka_unit_test(a_start_nearer_than_the_thickness_is_told),
       cmocka_unit_test(births_and_deaths_leave_the_rest_alone),
       cmocka_unit_test(a_stack_at_rest_stays),
+      cmocka_unit_test(a_short_step_after_a_long_one_is_examined),
       cmocka_unit_test(draped_sheets_never_intersect),
       cmocka_unit_test(threads_give_the_same_bits),
       cmocka_unit_test(resumed_runs_go_on_bit_by_bit),

@@ -274,10 +274,13 @@ static hk_status complete(hk_pair_cache *s, const double *x_from, const double *
 
 /* ---- paths ---- */
 
-/* To x, by `moves` from `at`. */
+/* To x, by `moves` from `at`. What is spare is what this way has left: the next step may be shorter than this one. */
 static void go_on(hk_pair_cache *s, const double *x) {
-  for (hk_pair_group *g = s->group; g < s->group + s->groups; g++)
+  s->spare = INFINITY;
+  for (hk_pair_group *g = s->group; g < s->group + s->groups; g++) {
     g->path += hk_patch_approach(&s->moves[g->a], &s->moves[g->b]) * (1 + margin);
+    s->spare = fmin(s->spare, fmin(g->budget, g->complete) - g->path);
+  }
   memcpy(s->at, x, 3 * s->n * sizeof *x);
   s->loose = 0;
 }

@@ -22,6 +22,9 @@ void hk_impact_set(hk_impact *k, const hk_step_move *m, double restitution, bool
   double from[3], to[3], v_from[3], v_to[3], offset = k->pair.offset;
   const double *n = k->frame.n, *w = k->frame.w;
   k->place = k->speed = (hk_impact_level){.target = 0};
+  k->part = 1;
+  k->plastic = 0;
+  k->speed_then = 0;
   k->mobility = 0;
   for (int i = 0; i < 4; i++) k->mobility += w[i] * w[i] * m->inverse_mass[k->pair.vertex[i]];
   weigh(from, k, m->x_from);
@@ -35,6 +38,9 @@ void hk_impact_set(hk_impact *k, const hk_step_move *m, double restitution, bool
     double u = fmin(0, u_0 + s * (u_1 - u_0)), turned = (1 + restitution) * u;
     gap = fmax(gap, c_1 - turned * (1 - s) * m->h);
     k->speed.target = fmax(0, u_1 - turned);
+    k->plastic = fmax(0, u_1 - u);
+    k->part = s;
+    k->speed_then = u < -fabs(u_1 - u_0) ? u : 0;
   }
   for (int c = 0; c < 3; c++) k->place.origin[c] = from[c] + s * (to[c] - from[c]);
   k->place.target = offset - hk_dot(n, k->place.origin) + gap;

@@ -34,6 +34,10 @@ typedef struct hk_impact {
   hk_pair_frame frame;  /* of one instant of the step */
   double mobility;      /* 1/kg, sum of w_i^2/m_i; 0: the nearest points are pinned */
   hk_impact_level place, speed;
+  double plastic;    /* m/s: speed.target without restitution */
+  double part;       /* of the step, at which the gap closes; 1: it does not */
+  double speed_then; /* m/s, along the normal, below 0; 0: the step changes its speed by as much, as of contact that
+                        lasts */
 } hk_impact;
 
 /* Sets mobility and levels of an impact whose pair and frame are set. again: it was pushed apart in this step already,

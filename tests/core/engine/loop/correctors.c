@@ -78,6 +78,21 @@ static void who_takes_every_step_back_is_named(void **state) {
   }
 }
 
+/* One step is 4,096 then, each as short as the host makes them: a corrector sees that and lets it through. */
+static void a_step_that_cannot_be_shorter_is_known_to_be_the_last(void **state) {
+  (void)state;
+  test_engine e;
+  hk_plugin_spec *rejecter = falling(&e, "leapfrog");
+  e.scene->particles.velocity[0] = 1;
+  test_number(&e, rejecter, "way", 1e-9);
+  test_boolean(&e, rejecter, "yields", true);
+  e.options.dt = 1.0 / 40;
+  test_run(&e);
+  test_advance(&e, 1.0 / 40);
+  assert_true(hk_run_view(e.run)->t == 1.0 / 40 && e.run->record.steps == 4096);
+  test_engine_close(&e);
+}
+
 /* Halves of 2.4e-8 s at 8 s: the difference of two times is off by 2e-8 of them, which is no breach of contract. */
 static void the_shortest_halves_are_believed(void **state) {
   (void)state;
@@ -183,6 +198,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(steps_are_halved_until_they_are_let_through),
       cmocka_unit_test(who_takes_every_step_back_is_named),
+      cmocka_unit_test(a_step_that_cannot_be_shorter_is_known_to_be_the_last),
       cmocka_unit_test(the_shortest_halves_are_believed),
       cmocka_unit_test(reported_work_keeps_the_balance_known),
       cmocka_unit_test(work_of_a_step_taken_back_does_not_count),

@@ -1,0 +1,265 @@
+/* See body_impacts.h. */
+#include "plugins/common/contact/bodies/body_impacts.h"
+
+#include "plugins/common/contact/bodies/body_contact_law.h"
+#include "plugins/common/contact/bodies/body_energy.h"
+#include "plugins/common/contact/bodies/body_newton.h"
+#include "plugins/common/contact/bodies/impact_response.h"
+#include "plugins/common/space/reserve.h"
+#include "plugins/kit/vector3.h"
+
+enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 10 /* sweeps between Newton's iterations */ };
+
+/* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
+static const double held = 1e-12;
+
+hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
+  s->host = host;
+  s->bodies = host->query(host, "bodies/1");
+  return s->bodies ? HK_OK : host->fail(host, HK_FAILED, "the host has no service bodies/1: take a newer hooke");
+}
+
+void hk_body_impacts_topology(hk_body_impacts *s) {
+  s->host->release(s->host, s->column);
+  s->host->release(s->host, s->place);
+  s->host->release(s->host, s->before);
+  s->column = s->before = NULL;
+  s->place = NULL;
+}
+
+hk_status hk_body_impacts_begin(hk_body_impacts *s, const hk_view *view, bool needed) {
+  hk_status status = s->bodies->count(s->bodies->self, &s->count);
+  if (status != HK_OK || s->place || (s->count == 0 && !needed)) return status;
+  s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
+  s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
+  s->before = s->host->allocate(s->host, (6 * view->n + 1) * sizeof *s->before);
+  s->n = view->n;
+  return s->column && s->place && s->before
+             ? HK_OK
+             : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+}
+
+/* ---- one impact ---- */
+
+typedef struct sweeping {
+  hk_body_impacts *bodies;
+  hk_contact_solver *solver;
+  const hk_step_move *move;
+  double *y;
+  double tolerance;
+  bool speeds; /* which level of the impacts */
+  bool moved;  /* something was moved by more than the tolerance */
+} sweeping;
+
+static hk_impact_level *level_of(const sweeping *w, hk_impact *k) { return w->speeds ? &k->speed : &k->place; }
+
+static void relative(double out[3], const hk_impact *k, const hk_impact_level *level, const double *y) {
+  for (int c = 0; c < 3; c++) out[c] = -level->origin[c];
+  for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
+}
+
+static bool is_awake(const sweeping *w, size_t e, uint64_t solved) {
+  const hk_body_response *r = &w->bodies->response[e];
+  const hk_impact *k = &w->solver->impact[e];
+  bool awake = solved == 0;
+  for (int i = 0; i < 4; i++) awake |= w->solver->moved[k->pair.vertex[i]] > solved;
+  for (size_t j = r->first; !awake && r->known && j < r->first + r->count; j++)
+    awake = w->solver->moved[w->bodies->particle[j]] > solved;
+  return awake;
+}
+
+static void apply(const sweeping *w, const hk_body_response *r, const double impulse[3]) {
+  const hk_body_impacts *s = w->bodies;
+  for (size_t j = r->first; j < r->first + r->count; j++)
+    for (size_t c = 0; c < 3; c++) w->y[3 * (size_t)s->particle[j] + c] += hk_dot(s->block[j] + 3 * c, impulse);
+}
+
+static void note(const sweeping *w, const hk_body_response *r, uint64_t *when) {
+  for (size_t j = r->first; j < r->first + r->count; j++) when[w->bodies->particle[j]] = w->solver->now;
+}
+
+static hk_status relax(sweeping *w, size_t e) {
+  hk_impact *k = &w->solver->impact[e];
+  hk_impact_level *level = level_of(w, k);
+  const hk_body_response *response;
+  double r[3], change[3] = {0, 0, 0}, free_mobility = 0;
+  relative(r, k, level, w->y);
+  if (level->push == 0 && !(level->target > hk_dot(r, k->frame.n))) return HK_OK;
+  hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
+  if (status != HK_OK) return status;
+  for (int i = 0; i < 4; i++) free_mobility += k->frame.w[i] * k->frame.w[i] * w->move->inverse_mass[k->pair.vertex[i]];
+  if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
+  double mu = hk_body_friction(w->bodies, w->solver, e);
+  hk_body_contact_solve(k, level, response->G, mu, r, change);
+  double size = hk_length(change);
+  if (!(size > 0)) return HK_OK;
+  apply(w, response, change);
+  note(w, response, w->solver->touched);
+  if (!(size * (response->G[0] + response->G[4] + response->G[8]) > w->tolerance)) return HK_OK;
+  note(w, response, w->solver->moved);
+  w->moved = true;
+  return HK_OK;
+}
+
+/* ---- all of them ---- */
+
+static hk_status sweep(sweeping *w) {
+  hk_status status = HK_OK;
+  w->moved = false;
+  for (size_t e = 0; e < w->solver->count && status == HK_OK; e++) {
+    hk_impact_level *level = level_of(w, &w->solver->impact[e]);
+    if (!w->bodies->takes_part[e] || !is_awake(w, e, level->solved)) continue;
+    level->solved = ++w->solver->now;
+    status = relax(w, e);
+  }
+  return status;
+}
+
+static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
+  hk_status status = HK_OK;
+  w->moved = true;
+  for (; status == HK_OK && w->moved && *sweeps < until; ++*sweeps) status = sweep(w);
+  return status;
+}
+
+/* Sweeps find out which impacts push; where they then converge slowly, as along a chain that lies on something,
+ * Newton's iteration has the last word, and a further sweep looks whether others are met now. */
+static hk_status sweep_all(sweeping *w, size_t *sweeps) {
+  hk_status status = HK_OK;
+  *sweeps = 0;
+  do {
+    status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
+    bool solved = false;
+    if (status != HK_OK || !w->moved) return status;
+    status = hk_body_newton(w->bodies, w->solver, w->speeds, w->tolerance / 2, w->y, &solved);
+    for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
+  } while (status == HK_OK && *sweeps < w->solver->most);
+  return status;
+}
+
+/* Whether an impact is short of its target by more than the tolerance, after `settle` has moved everything. */
+static bool some_fall_short(const sweeping *w) {
+  for (size_t e = 0; e < w->solver->count; e++) {
+    hk_impact *k = &w->solver->impact[e];
+    const hk_impact_level *level = level_of(w, k);
+    double r[3];
+    if (!w->bodies->takes_part[e] || !(k->mobility > 0)) continue;
+    relative(r, k, level, w->y);
+    if (level->target - hk_dot(r, k->frame.n) > w->tolerance) return true;
+  }
+  return false;
+}
+
+/* ---- one-sided equations as impacts ---- */
+
+/* Appends them at the present place, of which the solver's impacts beyond the contacts are then; their sums of impulses
+ * are kept. Of speeds those take part that are closed to the tolerance of `settle`. */
+static void append(hk_body_impacts *s, hk_contact_solver *solver, bool speeds, double closed) {
+  const hk_one_sided *list = NULL;
+  size_t count = s->count ? s->bodies->one_sided(s->bodies->self, &list) : 0;
+  bool anew = solver->count != s->contacts + count;
+  solver->count = s->contacts + count;
+  for (size_t e = 0; e < count; e++) {
+    hk_impact *k = &solver->impact[s->contacts + e];
+    const hk_one_sided *q = &list[e];
+    double place = anew || speeds ? 0 : k->place.push, speed = anew || !speeds ? 0 : k->speed.push;
+    const uint32_t *i = q->point.particle;
+    *k = (hk_impact){.pair = {{i[0], i[1], i[0], i[0]}, HK_EDGE_EDGE, 0, q->gap}};
+    k->frame.w[0] = q->point.weight[0], k->frame.w[1] = q->point.weight[1];
+    hk_copy(k->frame.n, q->n);
+    k->place.push = place, k->speed.push = speed;
+    k->speed.target = -q->speed;
+    k->place.target = -q->gap; /* and the point's present place, see `aim` */
+    s->takes_part[s->contacts + e] = !speeds || q->gap <= closed;
+  }
+}
+
+/* The targets of one-sided equations, from gaps to places at x. */
+static void aim(const hk_body_impacts *s, const hk_contact_solver *solver, const double *x) {
+  for (size_t e = s->contacts; e < solver->count; e++) {
+    hk_impact *k = &solver->impact[e];
+    const hk_impact_level origin = {.target = 0};
+    double r[3];
+    relative(r, k, &origin, x);
+    k->place.target += hk_dot(r, k->frame.n);
+  }
+}
+
+static hk_status linearise(hk_body_impacts *s, const hk_step_move *m) {
+  s->used = 0;
+  return s->count ? s->bodies->linearise(s->bodies->self, s->t, m->x, m->v) : HK_OK;
+}
+
+/* The impacts of positions, or of speeds, at the place of the last linearisation, x. */
+static void begin_level(hk_body_impacts *s, hk_contact_solver *solver, const double *x, bool speeds) {
+  append(s, solver, speeds, solver->tolerance);
+  aim(s, solver, x);
+  for (size_t e = 0; e < s->contacts; e++)
+    s->takes_part[e] = !speeds || solver->impact[e].place.push > 0 || (s->touches && s->touches[e]);
+  for (size_t e = 0; e < solver->count; e++) s->response[e].known = false;
+}
+
+static hk_status settle(const hk_body_impacts *s, const hk_step_move *m) {
+  return s->count ? s->bodies->settle(s->bodies->self, s->t, m->x, m->v) : HK_OK;
+}
+
+/* Equations that hold already leave everything as it is, so that a second round is rare. */
+static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
+  hk_status status = HK_OK;
+  size_t sweeps = 0;
+  for (int round = 0; round < ALTERNATIONS; round++) {
+    status = linearise(s, m);
+    if (status != HK_OK) return status;
+    begin_level(s, w->solver, m->x, true);
+    status = sweep_all(w, &sweeps);
+    if (status == HK_OK) status = settle(s, m);
+    if (status != HK_OK || !some_fall_short(w)) break;
+    for (size_t e = 0; e < w->solver->count; e++) w->solver->impact[e].speed.solved = 0;
+  }
+  return status;
+}
+
+static hk_status solve_energy(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
+  hk_body_energy_begin(s, m);
+  hk_status status = solve_speeds(s, w, m);
+  if (status != HK_OK || !hk_body_energy_grew(s, w->solver, m)) return status;
+  hk_body_energy_restart(s, w->solver, m);
+  status = solve_speeds(s, w, m);
+  if (status == HK_OK) hk_body_energy_blend(s, m);
+  return status;
+}
+
+/* Room for the contacts and the one-sided equations, whose number is that of the topology. */
+static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
+  const hk_one_sided *list;
+  size_t most = given->count + (s->count ? s->bodies->one_sided(s->bodies->self, &list) : 0);
+  hk_status status = hk_reserve(s->host, &s->response, &s->impacts, most, sizeof *s->response);
+  if (status == HK_OK) status = hk_reserve(s->host, &s->row, &s->rows_room, most, sizeof *s->row);
+  if (status == HK_OK) status = hk_reserve(s->host, &s->takes_part, &s->taking_room, most, sizeof *s->takes_part);
+  if (status == HK_OK && given->count) memcpy(s->row, given->impact, given->count * sizeof *s->row);
+  s->contacts = given->count;
+  return status;
+}
+
+hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_step_move *m,
+                               hk_gauss_seidel_result *done) {
+  hk_contact_solver solver = *given;
+  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false};
+  *done = (hk_gauss_seidel_result){0};
+  hk_status status = linearise(s, m);
+  if (status == HK_OK) status = make_room(s, given);
+  if (status != HK_OK) return status;
+  solver.impact = s->row;
+  begin_level(s, &solver, m->x, false);
+  status = sweep_all(&w, &done->sweeps);
+  if (status == HK_OK) status = settle(s, m);
+  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
+  if (status == HK_OK) status = solve_energy(s, &w, m);
+  given->now = solver.now;
+  if (status == HK_OK && given->count) memcpy(given->impact, s->row, given->count * sizeof *s->row);
+  for (size_t e = 0; e < given->count; e++) {
+    done->pushing += given->impact[e].place.push > 0;
+    done->impulse += given->impact[e].speed.push;
+  }
+  return status;
+}

@@ -1,0 +1,48 @@
+/* The impacts of bodies in one solution, with their responses: what its parts share. */
+#ifndef HK_BODY_SYSTEM_H
+#define HK_BODY_SYSTEM_H
+
+#include "core/plugin.h"
+#include "plugins/common/contact/impulses/gauss_seidel.h"
+
+/* How the particles of an impact respond to an impulse on it. */
+typedef struct hk_body_response {
+  bool known;
+  size_t first, count; /* in hk_body_impacts.particle and .block */
+  double G[9];         /* 1/kg, row by row: of the nearest points' difference */
+} hk_body_response;
+
+typedef struct hk_body_impacts {
+  const hk_host *host;
+  const hk_body_service *bodies;
+  size_t n;                /* particles */
+  size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
+  const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
+  const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
+  double t;                /* s, the end of the step */
+  double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
+  bool keeps_energy;       /* what is met is at rest: impacts may not add to the kinetic energy (body_energy.c) */
+  /* Room */
+  size_t contacts;  /* of the impacts; those beyond are one-sided equations */
+  hk_impact *row;   /* all of them */
+  bool *takes_part; /* of each, at the present level */
+  size_t rows_room, taking_room;
+  hk_body_response *response;
+  size_t impacts, used, room;
+  uint32_t *particle; /* room */
+  double (*block)[9]; /* room: U, row by row */
+  double *before;     /* 6 n: speeds before impacts, and with the given restitution */
+  double *column;     /* n x 3 */
+  uint32_t *place;    /* n: of a particle in a response */
+  double *matrix;     /* for Newton's iteration */
+  size_t matrix_room;
+  size_t *unknown, unknown_room;
+} hk_body_impacts;
+
+/* Of impact e: Coulomb's coefficient; 0 of one-sided equations. */
+static inline double hk_body_friction(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e) {
+  if (e >= s->contacts) return 0;
+  return s->frictions ? s->frictions[e] : solver->friction;
+}
+
+#endif
