@@ -4,8 +4,11 @@
 
 #include "core/plugin/facets/implicit.h"
 
-enum {                  /* hk_constraint.flags */
-       HK_ONE_SIDED = 1 /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
+enum {                   /* hk_constraint.flags */
+       HK_ONE_SIDED = 1, /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
+       HK_DISTANCES = 2  /* equation k is L - |x_j - x_i| of pair k of the first list of edges among the parameters; L
+                            does not change, and is the distance at the start where no parameter is given beside the
+                            list. The host holds rigid bodies together by it */
 };
 
 /* `count` equations whose value is in metres. The force J^T lambda on the particles is towards growing g; scripts read

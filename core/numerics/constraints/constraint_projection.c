@@ -324,6 +324,8 @@ static void apply(hk_dynamics *d, double h, double *x, double *v) {
       v[at + a] += over_h * c->WJ[b][a];
     }
   }
+  hk_riders_follow(c->model, x);
+  hk_riders_follow(c->model, v);
 }
 
 static hk_status solve_for(hk_dynamics *d, const double *q) {

@@ -21,6 +21,21 @@ typedef struct hk_releases {
   double until;            /* s, the end of the longest step of which `cuts` are counted */
 } hk_releases;
 
+/* Blocks of equations on riders (rider_blocks.c): term k adds weight J[given] to block `block` of J. */
+typedef struct hk_rider_term {
+  uint32_t given, block;
+  double weight;
+} hk_rider_term;
+
+typedef struct hk_rider_blocks {
+  size_t given;        /* blocks as plugins name them; 0: no equation names a rider, J is filled by them */
+  uint32_t (*pair)[2]; /* given: equation and particle */
+  size_t *first;       /* the first of each instance, and their number */
+  double (*J)[3];      /* given: dg/dx */
+  size_t terms;
+  hk_rider_term *term;
+} hk_rider_blocks;
+
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
   size_t equations, blocks, terms;
@@ -28,6 +43,8 @@ struct hk_constraints {
   size_t *block_first;      /* first block of each instance, and the number of blocks */
   hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
   double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
+  hk_rider_blocks riding;
+  const hk_model *model;
   uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
   hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
   uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
@@ -120,6 +137,13 @@ void hk_constraint_account(hk_dynamics *, double begin, bool whole);
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
+
+/* ---- rider_blocks.c ---- */
+
+/* Of the blocks that plugins have named, those of riders become those of their carriers. HK_NO_MEMORY. */
+hk_status hk_rider_blocks_spread(hk_dynamics *);
+void hk_rider_blocks_carry(const hk_constraints *, double (*J)[3]); /* J of the carriers from riding.J */
+void hk_rider_blocks_free(hk_rider_blocks *);
 
 /* ---- constraint_matrix.c ---- */
 

@@ -86,8 +86,8 @@ void hk_scene_destroy(hk_scene *scene) {
   free(scene->particles.channel);
   free(scene->particles.pin);
   free(scene->measure);
-  for (size_t k = 0; k < scene->places.count; k++) free(scene->places.item[k].where);
-  free(scene->places.item);
+  hk_scene_free_places(scene);
+  hk_scene_free_bodies(scene);
   hk_warnings_clear(&scene->warnings);
   free(scene->exact_where);
   free(scene->start_where);

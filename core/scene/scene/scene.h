@@ -50,6 +50,8 @@ typedef struct hk_scene {
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
   hk_periodic_box box;       /* repeats along no axis: space is open */
+  hk_tuples distances;       /* pairs, id - 1, that rigid bodies keep at their distances */
+  hk_plugin_spec *keeper;    /* the constraint that keeps them; NULL: there is none yet */
   hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
   bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
@@ -114,9 +116,22 @@ const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const c
 hk_status hk_scene_set_box(hk_scene *, const double low[3], const double high[3], const char *axes, hk_error *error);
 bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 
+/* ---- bodies.c: what rigid bodies have beside particles ---- */
+
+/* Holds `count` pairs of ids at their distances at the start, by a constraint that keeps distances (HK_DISTANCES): the
+ * scene has one for all bodies, which comes with the first. */
+hk_status hk_scene_add_distances(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
+/* Makes the particle a rider, of ids, and puts it where it belongs. HK_BAD_PARAM: it has a mass, it or a carrier is
+ * unknown or a rider, or the weights do not have the sum 1. */
+hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);
+/* A surface for pictures, of ids; its lists are copied. */
+hk_status hk_scene_add_skin(hk_scene *, const hk_body_skin *, hk_error *error);
+void hk_scene_free_bodies(hk_scene *);
+
 /* ---- place.c: lines of the script, for messages ---- */
 
 hk_status hk_scene_note_place(hk_scene *, uint32_t first_id, const char *where, hk_error *error);
+void hk_scene_free_places(hk_scene *);
 const char *hk_scene_place_of(const hk_scene *, uint32_t id); /* the script's name where no line is known */
 /* *where becomes a copy of the text. */
 hk_status hk_scene_set_where(char **where, const char *text, hk_error *error);
