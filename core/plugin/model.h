@@ -27,8 +27,7 @@ typedef struct hk_rider {
  * are fixed linear combinations of particles. */
 typedef struct hk_body_skin {
   uint32_t carriers, carrier[HK_CARRIERS];
-  double origin[HK_CARRIERS], axis[3][HK_CARRIERS]; /* weights; of an axis with the sum 0, x of the unit point less x of
-                                                       the origin; all 0: it is across the two others */
+  double origin[HK_CARRIERS], axis[3][HK_CARRIERS]; /* weights; of an axis with the sum 0 */
   size_t vertices, triangles;
   const double *vertex;          /* vertices x 3, m, in that frame */
   const uint32_t (*triangle)[3]; /* anticlockwise, seen from outside */

@@ -2,6 +2,7 @@
  * registers every library, runs the file in its sandbox and keeps the scene that it returns. A tool's state differs in
  * two things: it has full rights, and core/app/tools registers the functions that only tools have. */
 #include "core/app/lua/internal.h"
+#include "core/app/builders/builders.h"
 #include "core/engine/base/base.h"
 
 #include <errno.h>
