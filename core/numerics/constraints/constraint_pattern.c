@@ -12,6 +12,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
   hk_rider_blocks_free(&c->riding);
+  hk_rigid_groups_close(c);
   void *arrays[] = {c->J,        c->WJ,         c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,          c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
                     c->residual, c->moved,      c->correction, c->one_sided, c->implied, c->touches,   c->pushes,

@@ -36,6 +36,8 @@ typedef struct hk_rider_blocks {
   hk_rider_term *term;
 } hk_rider_blocks;
 
+typedef struct hk_rigid_groups hk_rigid_groups;
+
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
   size_t equations, blocks, terms;
@@ -44,6 +46,7 @@ struct hk_constraints {
   hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
   double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
   hk_rider_blocks riding;
+  hk_rigid_groups *groups; /* all equations are of free rigid groups; NULL: they are solved together */
   const hk_model *model;
   uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
   hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
@@ -144,6 +147,14 @@ void hk_constraint_matrix_free(hk_constraints *);
 hk_status hk_rider_blocks_spread(hk_dynamics *);
 void hk_rider_blocks_carry(const hk_constraints *, double (*J)[3]); /* J of the carriers from riding.J */
 void hk_rider_blocks_free(hk_rider_blocks *);
+
+/* ---- rigid_groups.c ---- */
+
+void hk_rigid_groups_find(hk_dynamics *); /* at the state; without memory there are none */
+void hk_rigid_groups_close(hk_constraints *);
+/* As hk_constraint_table.shake and .rattle, where there are groups; all of n x 3. False: one did not converge. */
+bool hk_rigid_groups_shake(hk_dynamics *, double *from, double h, double *x, double *v);
+void hk_rigid_groups_rattle(hk_dynamics *, double *x, double h, double *v);
 
 /* ---- constraint_matrix.c ---- */
 
