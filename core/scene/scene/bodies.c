@@ -23,33 +23,44 @@ static bool grow(void *array, size_t held, size_t count, size_t size) {
   return bigger != NULL;
 }
 
-/* ---- distances ---- */
+/* ---- distances and joints ---- */
 
-static bool keeps_distances(const hk_plugin *plugin, const void *context) {
-  (void)context;
-  return plugin->constraint->flags & HK_DISTANCES && hk_param_list(plugin, NULL) != NULL;
+static bool keeps(const hk_plugin *plugin, const void *flag) {
+  return plugin->constraint->flags & *(const unsigned *)flag && hk_param_list(plugin, NULL) != NULL;
 }
 
-static hk_status add_keeper(hk_scene *scene, const char *where, hk_error *error) {
+static hk_status add_spec(hk_scene *scene, hk_kept_pairs *kept, unsigned flag, const char *label, const char *where,
+                          hk_error *error) {
   const hk_plugin *plugin;
-  hk_status status = hk_registry_prefer(scene->registry, HK_CONSTRAINT, keeps_distances, NULL, &plugin, error);
+  hk_status status = hk_registry_prefer(scene->registry, HK_CONSTRAINT, keeps, &flag, &plugin, error);
   if (status == HK_OK)
-    status = hk_scene_add_plugin(scene, HK_CONSTRAINT, plugin->name, "bodies", where, &scene->keeper, error);
-  if (status == HK_OK) scene->keeper->given[hk_param_list(plugin, NULL) - plugin->params] = true;
+    status = hk_scene_add_plugin(scene, HK_CONSTRAINT, plugin->name, label, where, &kept->spec, error);
+  if (status == HK_OK) kept->spec->given[hk_param_list(plugin, NULL) - plugin->params] = true;
   return status;
+}
+
+static hk_status add_pairs(hk_kept_pairs *kept, size_t count, const uint32_t (*pair)[2], hk_error *error) {
+  hk_tuples *list = &kept->pairs;
+  uint32_t *index = (uint32_t *)(uintptr_t)list->index;
+  if (!grow(&index, list->count, list->count + count, 2 * sizeof *index)) return no_memory(error);
+  for (size_t k = 0; k < 2 * count; k++) index[2 * list->count + k] = pair[k / 2][k % 2] - 1;
+  *list = (hk_tuples){list->count + count, 2, index};
+  *(hk_tuples *)hk_param_in(hk_param_list(kept->spec->plugin, NULL), kept->spec->values) = *list;
+  return HK_OK;
 }
 
 hk_status hk_scene_add_distances(hk_scene *scene, const char *where, size_t count, const uint32_t (*pair)[2],
                                  hk_error *error) {
-  hk_tuples *list = &scene->distances;
-  uint32_t *index = (uint32_t *)(uintptr_t)list->index;
-  hk_status status = scene->keeper ? HK_OK : add_keeper(scene, where, error);
-  if (status != HK_OK) return status;
-  if (!grow(&index, list->count, list->count + count, 2 * sizeof *index)) return no_memory(error);
-  for (size_t k = 0; k < 2 * count; k++) index[2 * list->count + k] = pair[k / 2][k % 2] - 1;
-  *list = (hk_tuples){list->count + count, 2, index};
-  *(hk_tuples *)hk_param_in(hk_param_list(scene->keeper->plugin, NULL), scene->keeper->values) = *list;
-  return HK_OK;
+  hk_kept_pairs *kept = &scene->distances;
+  hk_status status = kept->spec ? HK_OK : add_spec(scene, kept, HK_DISTANCES, "bodies", where, error);
+  return status == HK_OK ? add_pairs(kept, count, pair, error) : status;
+}
+
+hk_status hk_scene_add_differences(hk_scene *scene, const char *where, size_t count, const uint32_t (*pair)[2],
+                                   hk_error *error) {
+  hk_kept_pairs *kept = &scene->differences;
+  hk_status status = kept->spec ? HK_OK : add_spec(scene, kept, HK_DIFFERENCES, "joints", where, error);
+  return status == HK_OK ? add_pairs(kept, count, pair, error) : status;
 }
 
 /* ---- riders ---- */
@@ -134,5 +145,6 @@ void hk_scene_free_bodies(hk_scene *scene) {
   }
   free(scene->particles.skin);
   free(scene->particles.rider);
-  free((void *)(uintptr_t)scene->distances.index);
+  free((void *)(uintptr_t)scene->distances.pairs.index);
+  free((void *)(uintptr_t)scene->differences.pairs.index);
 }

@@ -34,6 +34,12 @@ typedef struct hk_scene_places_list {
   hk_scene_place *item; /* by rising `first`; no two in succession are alike */
 } hk_scene_places_list;
 
+/* Pairs that a constraint of the scene keeps, which comes with the first of them. */
+typedef struct hk_kept_pairs {
+  hk_tuples pairs;      /* id - 1 */
+  hk_plugin_spec *spec; /* NULL: there is none yet */
+} hk_kept_pairs;
+
 typedef struct hk_scene {
   char *name;           /* the script's file name without folder and ".lua" */
   char *script;         /* its path as given */
@@ -50,8 +56,7 @@ typedef struct hk_scene {
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
   hk_periodic_box box;       /* repeats along no axis: space is open */
-  hk_tuples distances;       /* pairs, id - 1, that rigid bodies keep at their distances */
-  hk_plugin_spec *keeper;    /* the constraint that keeps them; NULL: there is none yet */
+  hk_kept_pairs distances, differences; /* of rigid bodies and joints */
   hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
   bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
@@ -121,6 +126,8 @@ bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 /* Holds `count` pairs of ids at their distances at the start, by a constraint that keeps distances (HK_DISTANCES): the
  * scene has one for all bodies, which comes with the first. */
 hk_status hk_scene_add_distances(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
+/* The same of their differences, in one place (HK_DIFFERENCES): joints. */
+hk_status hk_scene_add_differences(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
 /* Makes the particle a rider, of ids, and puts it where it belongs. HK_BAD_PARAM: it has a mass, it or a carrier is
  * unknown or a rider, or the weights do not have the sum 1. */
 hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);
