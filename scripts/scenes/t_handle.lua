@@ -2,9 +2,9 @@
 -- as Dzhanibekov saw it. No force acts: spin, energy and angular momentum are the measures, and the last two do not change.
 local spin = param("spin", 6, "rad/s, about the axis of the stem")
 local wobble = param("wobble", 0.01, "of the spin, about the other axes")
-local T = param("duration", 12, "s", { min = 0.1 })
+local T = param("duration", 8, "s", { min = 0.1 })
 
-local scene = hooke.scene { duration = T, fps = 60, dt = 1 / 240, integrator = "leapfrog" }
+local scene = hooke.scene { duration = T, fps = 30, dt = 1 / 240, integrator = "leapfrog" }
 
 -- The stem lies along x, the bar along z; the moments are the least about the bar, the largest across both.
 local handle = scene:rigid { density = 2700, position = { 0, 0, 0.3 }, spin = { spin, wobble * spin, wobble * spin },
@@ -23,6 +23,5 @@ scene:measure("angular momentum", function(s)
   local L = handle:angular_momentum(s)
   return math.sqrt(L[1] ^ 2 + L[2] ^ 2 + L[3] ^ 2)
 end)
-scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 },
-  ground_height = 0, sheet = 12 })
+scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 }, ground_height = 0 })
 return scene
