@@ -6,7 +6,7 @@
 typedef enum hk_pin {
   HK_FREE,
   HK_PIN_FIXED,
-  HK_PIN_PATH, /* follows a path of the script; forces on it have no effect */
+  HK_PIN_PATH,  /* follows a path of the script; forces on it have no effect */
   HK_PIN_LINE,  /* slides along a line */
   HK_PIN_PLANE, /* slides in a plane */
   HK_PIN_RIDES  /* is carried by others, see hk_rider; forces on it act on these */
@@ -87,9 +87,9 @@ struct hk_model {
   const uint32_t *by_id;
   const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
   double t; /* s, of the last accepted state: what a force remembers of a step's beginning is from then */
-  const hk_periodic_box *box;           /* NULL: space is open; since minor 1 */
-  size_t riders;                        /* since minor 1, as what follows */
-  const hk_rider *rider;                /* by rising particle */
+  const hk_periodic_box *box; /* NULL: space is open; since minor 1 */
+  size_t riders;              /* since minor 1, as what follows */
+  const hk_rider *rider;      /* by rising particle */
   size_t skins;
   const hk_body_skin *skin;
 };
@@ -106,6 +106,19 @@ static inline void hk_nearest_image(const hk_periodic_box *box, double d[3]) {
 
 /* The index of the k-th particle in the order of ids, k < n. */
 static inline size_t hk_model_nth(const hk_model *m, size_t k) { return m->by_id ? m->by_id[k] : k; }
+
+/* What carries the particle of that index; NULL: it is no rider. */
+static inline const hk_rider *hk_model_rider(const hk_model *m, size_t particle) {
+  size_t low = 0, high = m->riders;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (m->rider[middle].particle < particle)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < m->riders && m->rider[low].particle == particle ? &m->rider[low] : NULL;
+}
 
 /* The index of the particle with that id; m->n: there is none. */
 static inline size_t hk_model_find(const hk_model *m, uint32_t id) {

@@ -18,10 +18,11 @@ scene:measure("spin", function(s)
   local w, R = handle:spin(s), select(2, handle:attitude(s))
   return R[1][1] * w[1] + R[2][1] * w[2] + R[3][1] * w[3]
 end)
-scene:measure("energy", function(s) return handle:energy(s) end)
+scene:measure("kinetic energy", function(s) return handle:energy(s) end)
 scene:measure("angular momentum", function(s)
   local L = handle:angular_momentum(s)
   return math.sqrt(L[1] ^ 2 + L[2] ^ 2 + L[3] ^ 2)
 end)
-scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 }, ground_height = 0 })
+scene:output("frames", { width = 960, height = 720, legend = false, ground_height = 0,
+  from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 } })
 return scene

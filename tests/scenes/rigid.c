@@ -25,13 +25,13 @@ static void near(const char *key, double wanted, double tolerance) {
   if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g is not within %g of %.17g", key, got, tolerance, wanted);
 }
 
-/* The capsule of the bar and the cylinder of the stem, by their exact integrals; energy and angular momentum are those of
- * a spin of 6 rad/s about the stem, up to the wobble of 1e-2, and do not change. After half of the time between two
+/* The capsule of the bar and the cylinder of the stem, by their exact integrals; energy and angular momentum are those
+ * of a spin of 6 rad/s about the stem, up to the wobble of 1e-2, and do not change. After half of the time between two
  * flips it is the other way round. */
 static void the_handle_turns_over(void **state) {
   (void)state;
   run("t_handle", "--until 0");
-  double energy = test_json(r.out, "energy"), L = test_json(r.out, "angular momentum");
+  double energy = test_json(r.out, "kinetic energy"), L = test_json(r.out, "angular momentum");
   near("spin", 6, 1e-12);
   if (!(fabs(2 * energy / L - 6) < 6e-3)) fail_msg("2 E/L is %g", 2 * energy / L);
   double least = 6;
@@ -39,7 +39,7 @@ static void the_handle_turns_over(void **state) {
     char options[40];
     snprintf(options, sizeof options, "--until %g", k / 3.0);
     run("t_handle", options);
-    near("energy", energy, 1e-11 * energy);
+    near("kinetic energy", energy, 1e-11 * energy);
     near("angular momentum", L, 1e-11 * L);
     least = fmin(least, test_json(r.out, "spin"));
   }

@@ -1,10 +1,10 @@
-/* scene:joint{ kind = "ball" | "hinge" | "universal" | "fixed" | "distance", a =, b =, at =, axis = }: joins a rigid body
- * to another one, to a particle, or, without b, to the place where it is. Joints are points of the bodies (riders) that
- * stay together, by the constraint that keeps differences: one for a ball, two on its axis for a hinge, three for what
- * is fixed. Equations that follow from others, as one of the six of a hinge, rest. A universal joint is a ball and one
- * distance, between points on the axes of either body, which keeps the angle between these; a distance is one between
- * `at` on a and `to` on b. All places are those of the start, in the scene's coordinates. */
-#include "core/app/builders/rigid.h"
+/* scene:joint{ kind = "ball" | "hinge" | "universal" | "fixed" | "distance", a =, b =, at =, axis = }: joins a rigid
+ * body to another one, to a particle, or, without b, to the place where it is. Joints are points of the bodies (riders)
+ * that stay together, by the constraint that keeps differences: one for a ball, two on its axis for a hinge, three for
+ * what is fixed. Equations that follow from others, as one of the six of a hinge, rest. A universal joint is a ball and
+ * one distance, between points on the axes of either body, which keeps the angle between these; a distance is one
+ * between `at` on a and `to` on b. All places are those of the start, in the scene's coordinates. */
+#include "core/app/builders/rigid_bodies.h"
 #include "core/engine/text/text.h"
 
 #include <string.h>
@@ -122,8 +122,9 @@ static void read_b(joint *j) {
                 hk_known_ids(known, j->scene->particles.n));
   j->particle = (uint32_t)id;
   if (j->kind != BALL && j->kind != DISTANCE)
-    hk_lua_fail(j->L, HK_BAD_PARAM, "joint: b: a particle has no directions: a %s joins bodies; a ball or a distance "
-                                    "would do",
+    hk_lua_fail(j->L, HK_BAD_PARAM,
+                "joint: b: a particle has no directions: a %s joins bodies; a ball or a distance "
+                "would do",
                 kind_name[j->kind]);
 }
 
@@ -136,7 +137,8 @@ static void read_place(joint *j) {
   j->size = spread * fmax(j->a->body.a[0], j->b ? j->b->body.a[0] : 0);
   double apart = there ? distance(j->at, there) : 0;
   if (j->kind == BALL && apart > meets * (j->size + fabs(j->at[0]) + fabs(j->at[1]) + fabs(j->at[2])))
-    hk_lua_fail(j->L, HK_BAD_PARAM, "joint: at: particle %d is %.6g m off {%g, %g, %g}: the two have to meet at the start",
+    hk_lua_fail(j->L, HK_BAD_PARAM,
+                "joint: at: particle %d is %.6g m off {%g, %g, %g}: the two have to meet at the start",
                 (int)j->particle, apart, j->at[0], j->at[1], j->at[2]);
 }
 

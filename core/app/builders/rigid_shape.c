@@ -1,6 +1,6 @@
 /* The mass of a rigid body from a script: a shape with its sizes, a closed mesh, points with masses, parts of these, or
  * mass and moments of inertia alone. Round shapes are exact, whatever the facets of their pictures. */
-#include "core/app/builders/rigid.h"
+#include "core/app/builders/rigid_bodies.h"
 #include "core/engine/text/text.h"
 
 #include <stdio.h>
@@ -248,8 +248,8 @@ static void read_quaternion(lua_State *L, double R[9]) {
   double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(fabs(length - 1) <= normalised))
     hk_lua_fail(L, HK_BAD_PARAM,
-                "rigid: orientation: the quaternion {%g, %g, %g, %g} has the length %.7g: divide it by that", q[0], q[1],
-                q[2], q[3], length);
+                "rigid: orientation: the quaternion {%g, %g, %g, %g} has the length %.7g: divide it by that", q[0],
+                q[1], q[2], q[3], length);
   hk_rotation_of_quaternion((const double[4]){q[0] / length, q[1] / length, q[2] / length, q[3] / length}, R);
 }
 

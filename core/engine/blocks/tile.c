@@ -49,7 +49,8 @@ typedef struct work {
 /* The complete blocks from *next to `until`, without the deferred ones. */
 static void finish_blocks(const work *w, size_t *next, size_t until, size_t at) {
   for (; *next < until; ++*next)
-    if (!w->tiles->front.deferred[*next] && !w->tiles->state->model.riders) hk_step_finish(w->tiles, w->step, *next, at);
+    if (!w->tiles->front.deferred[*next] && !w->tiles->state->model.riders)
+      hk_step_finish(w->tiles, w->step, *next, at);
 }
 
 static void take_block(const work *w, size_t block, size_t *next, size_t at) {

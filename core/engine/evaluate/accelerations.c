@@ -222,7 +222,8 @@ static bool whole_has_rates(const hk_dynamics *d) {
 
 bool hk_evaluate_takes_several(const hk_dynamics *d) {
   const hk_system *s = &d->system;
-  if (d->constrain || s->contact || s->model->riders || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
+  if (d->constrain || s->contact || s->model->riders || d->listens || d->demands || s->size > 6 * s->n + 1)
+    return false;
   if (d->queries.flags & HK_DEPENDS_ON_T || d->pins->has_slides) return false;
   if (has_whole(d)) return d->tiles.front.partition.blocks > 1 && !whole_has_rates(d);
   return d->tiles.order.depth >= DEPTH;

@@ -77,19 +77,6 @@ void hk_riders_gather_bounds(const hk_model *m, double (*block)[6]) {
   }
 }
 
-const hk_rider *hk_rider_of(const hk_model *m, size_t particle) {
-  size_t low = 0, high = m->riders;
-  if (m->riders == 0 || m->pin[particle] != HK_PIN_RIDES) return NULL;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (m->rider[middle].particle < particle)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return &m->rider[low];
-}
-
 static bool has_lost(const uint32_t *map, uint32_t carriers, uint32_t *carrier) {
   bool lost = false;
   for (uint32_t c = 0; c < carriers; c++) {

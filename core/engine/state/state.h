@@ -45,8 +45,8 @@ typedef struct hk_particles {
   size_t pins;
   hk_pin_spec *pin;
   size_t riders, skins;
-  hk_rider *rider; /* with ids in the place of indices */
-  hk_body_skin *skin;   /* likewise */
+  hk_rider *rider;    /* with ids in the place of indices */
+  hk_body_skin *skin; /* likewise */
 } hk_particles;
 
 /* Deaths preserve the order of the other particles and births, whose ids increase, are appended. The particles of the
@@ -94,11 +94,10 @@ hk_status hk_state_check_masses(const hk_state *, hk_error *error);
 
 /* ---- riders.c ---- */
 
-hk_status hk_riders_open(hk_state *, hk_error *error);         /* after hk_state_open, before the pins */
-void hk_riders_follow(const hk_model *, double *x);            /* n x 3: riders get the combinations of their carriers */
-void hk_riders_gather(const hk_model *, double *F);            /* n x 3: what acts on riders acts on their carriers */
+hk_status hk_riders_open(hk_state *, hk_error *error); /* after hk_state_open, before the pins */
+void hk_riders_follow(const hk_model *, double *x);    /* n x 3: riders get the combinations of their carriers */
+void hk_riders_gather(const hk_model *, double *F);    /* n x 3: what acts on riders acts on their carriers */
 void hk_riders_gather_bounds(const hk_model *, double (*)[6]); /* n: the same of bounds of stiffness */
-const hk_rider *hk_rider_of(const hk_model *, size_t particle); /* NULL: it is no rider */
 /* After births and deaths. HK_FAILED: a rider has lost a carrier. */
 hk_status hk_riders_remap(hk_state *, const uint32_t *map, hk_error *error);
 

@@ -378,10 +378,7 @@ hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, d
 
 static hk_status rattle(hk_dynamics *d, double t, double *x, double h, double *v, double *work) {
   hk_constraints *c = d->constraints;
-  if (c->groups) {
-    hk_rigid_groups_rattle(d, x, h, v);
-    return HK_OK;
-  }
+  if (c->groups) return hk_rigid_groups_rattle(d, x, h, v);
   hk_status status = begin(d, t, x, v);
   if (status != HK_OK) return status;
   hk_constraint_rate(c, v, c->c, NULL);

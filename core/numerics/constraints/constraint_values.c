@@ -33,8 +33,8 @@ hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, cons
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
     const hk_instance *outer = hk_enter(instance);
-    status = instance->plugin->constraint->jacobian(
-        instance->self, &view, rides ? c->riding.J + c->riding.first[k] : J + c->block_first[k]);
+    status = instance->plugin->constraint->jacobian(instance->self, &view,
+                                                    rides ? c->riding.J + c->riding.first[k] : J + c->block_first[k]);
     hk_leave(instance, outer);
     status = hk_constraint_failed(d, instance, t, status);
   }

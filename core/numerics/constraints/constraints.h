@@ -48,14 +48,14 @@ struct hk_constraints {
   hk_rider_blocks riding;
   hk_rigid_groups *groups; /* all equations are of free rigid groups; NULL: they are solved together */
   const hk_model *model;
-  uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
-  hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
-                               2 term] and at the next slot, its mirror */
-  double *value;            /* values of A */
-  double *own;              /* equations: diagonal of J W J^T */
-  double *full;             /* equations: diagonal of S if all equations acted; 0 where no particle can move */
-  double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  uint32_t *pin, *place;  /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
+  hk_block_matrix matrix; /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];    /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
+                             2 term] and at the next slot, its mirror */
+  double *value;          /* values of A */
+  double *own;            /* equations: diagonal of J W J^T */
+  double *full;           /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;          /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
   double *g_start, *rate_start;   /* equations: g and dg/dt at the start of the step; of one-sided ones */
@@ -150,11 +150,11 @@ void hk_rider_blocks_free(hk_rider_blocks *);
 
 /* ---- rigid_groups.c ---- */
 
-void hk_rigid_groups_find(hk_dynamics *); /* at the state; without memory there are none */
+hk_status hk_rigid_groups_find(hk_dynamics *); /* at the state; HK_NO_MEMORY */
 void hk_rigid_groups_close(hk_constraints *);
 /* As hk_constraint_table.shake and .rattle, where there are groups; all of n x 3. False: one did not converge. */
 bool hk_rigid_groups_shake(hk_dynamics *, double *from, double h, double *x, double *v);
-void hk_rigid_groups_rattle(hk_dynamics *, double *x, double h, double *v);
+hk_status hk_rigid_groups_rattle(hk_dynamics *, double *x, double h, double *v);
 
 /* ---- constraint_matrix.c ---- */
 

@@ -34,7 +34,7 @@ static uint32_t block_of(hk_block_matrix *list, size_t begin, uint32_t equation,
 static void spread_block(hk_dynamics *d, hk_rider_blocks *s, uint32_t given, size_t begin) {
   hk_block_matrix *list = &d->constraints->list;
   uint32_t equation = s->pair[given][0], particle = s->pair[given][1];
-  const hk_rider *r = hk_rider_of(&d->state->model, particle);
+  const hk_rider *r = hk_model_rider(&d->state->model, particle);
   for (uint32_t k = 0; k < (r ? r->carriers : 1) && !list->no_memory; k++) {
     hk_rider_term *term = &s->term[s->terms++];
     term->given = given;

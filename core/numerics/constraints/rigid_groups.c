@@ -4,7 +4,7 @@
  * are solved together (constraint_projection.c), which goes on from where this stopped. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/constraints/constraints.h"
-#include "core/numerics/constraints/rigid_groups.h"
+#include "core/numerics/constraints/rigid_loops.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -151,22 +151,28 @@ static bool fill(const search *s, hk_rigid_groups *into) {
   return fine;
 }
 
-void hk_rigid_groups_find(hk_dynamics *d) {
+/* The bundles of the groups that were found; without groups there are none. */
+static hk_status make_bundles(search *s) {
+  hk_constraints *c = s->d->constraints;
+  if (!find_groups(s) || !take_lengths(s)) return HK_OK;
+  c->groups = calloc(1, sizeof *c->groups);
+  if (c->groups) c->groups->bundle = calloc(s->count / HK_RIGID_BUNDLE + MOST, sizeof *c->groups->bundle);
+  if (!c->groups || !c->groups->bundle) return HK_NO_MEMORY;
+  if (!fill(s, c->groups)) hk_rigid_groups_close(c);
+  return HK_OK;
+}
+
+hk_status hk_rigid_groups_find(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
-  search s = {.d = d};
   hk_rigid_groups_close(c);
-  if (!c->table.holonomic || d->pins->has_paths || d->pins->has_slides) return;
-  s.list = calloc(c->equations + 1, sizeof *s.list);
+  if (!c->table.holonomic || d->pins->has_paths || d->pins->has_slides) return HK_OK;
+  search s = {.d = d, .list = calloc(c->equations + 1, sizeof *s.list)};
   s.of = malloc((d->state->model.n + 1) * sizeof *s.of);
-  if (s.list && s.of) {
-    memset(s.of, 0xff, d->state->model.n * sizeof *s.of);
-    hk_rigid_groups *found = find_groups(&s) && take_lengths(&s) ? calloc(1, sizeof *found) : NULL;
-    if (found) found->bundle = calloc(s.count / HK_RIGID_BUNDLE + MOST, sizeof *found->bundle);
-    c->groups = found;
-    if (found && (!found->bundle || !fill(&s, found))) hk_rigid_groups_close(c);
-  }
+  if (s.of) memset(s.of, 0xff, d->state->model.n * sizeof *s.of);
+  hk_status status = s.list && s.of ? make_bundles(&s) : HK_NO_MEMORY;
   free(s.list);
   free(s.of);
+  return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "no memory for the rigid groups of the constraints");
 }
 
 /* ---- the corrections ---- */
@@ -199,7 +205,8 @@ bool hk_rigid_groups_shake(hk_dynamics *d, double *from, double h, double *x, do
   return !w.failed;
 }
 
-void hk_rigid_groups_rattle(hk_dynamics *d, double *x, double h, double *v) {
+hk_status hk_rigid_groups_rattle(hk_dynamics *d, double *x, double h, double *v) {
   work w = {d->constraints->groups, d->shared->lanes, h, NULL, x, v, d->constraints->lambda, false};
   hk_threads_for(d->shared->threads, w.groups->bundles, GRAIN, rattle_chunk, &w);
+  return HK_OK;
 }

@@ -2,12 +2,13 @@
  * have no other equation. With the equations as (|d_e|^2 - L_e^2)/2 = 0, whose gradients are the differences d_e, the
  * matrix A = J W J^T has the entries sum +- w d_e.d_f, and the products of differences are
  *     (x_i - x_j).(x_k - x_l) = (L_il^2 + L_jk^2 - L_ik^2 - L_jl^2)/2,
- * so that A does not change as the group turns: it is factorized once. Positions are corrected by Newton's iteration with
- * that matrix, whose error falls by a factor of the order of the angle of a step in each round, velocities by one solution.
+ * so that A does not change as the group turns: it is factorized once. Positions are corrected by Newton's iteration
+ * with that matrix, whose error falls by a factor of the order of the angle of a step in each round, velocities by one
+ * solution.
  *
- * HK_RIGID_BUNDLE groups of one size lie side by side in the lanes of a bundle. A lane that has converged stays as it is,
- * so that a group moves as it would alone, to the same bits for vectors of any width. */
-#include "core/numerics/constraints/rigid_groups.h"
+ * HK_RIGID_BUNDLE groups of one size lie side by side in the lanes of a bundle. A lane that has converged stays as it
+ * is, so that a group moves as it would alone, to the same bits for vectors of any width. */
+#include "core/numerics/constraints/rigid_loops.h"
 
 #include "core/plugin/widest.h"
 
@@ -162,15 +163,15 @@ HK_INLINE void rattle(const hk_rigid_bundle *b, int k, int e, const double *x, d
 HK_VERSIONS(static bool, shake_any, (const hk_rigid_bundle *b, const double *from, double h, double *x, double *v),
             return HK_EACH_SIZE(shake, from, h, x, v))
 
-HK_VERSIONS(static void, rattle_any,
-            (const hk_rigid_bundle *b, const double *x, double by, double *v, double *lambda),
+HK_VERSIONS(static void, rattle_any, (const hk_rigid_bundle *b, const double *x, double by, double *v, double *lambda),
             HK_EACH_SIZE(rattle, x, by, v, lambda))
 
 bool hk_rigid_bundle_shake(int width, const hk_rigid_bundle *b, const double *from, double h, double *x, double *v) {
   return HK_WIDEST(width, shake_any)(b, from, h, x, v);
 }
 
-void hk_rigid_bundle_rattle(int width, const hk_rigid_bundle *b, const double *x, double by, double *v, double *lambda) {
+void hk_rigid_bundle_rattle(int width, const hk_rigid_bundle *b, const double *x, double by, double *v,
+                            double *lambda) {
   HK_WIDEST(width, rattle_any)(b, x, by, v, lambda);
 }
 
@@ -184,8 +185,7 @@ bool hk_rigid_bundle_factorize(hk_rigid_bundle *b, int lane, const double square
         for (int t = 0; t < 2; t++)
           if (i[s] == j[t]) sum += (s == t ? 1 : -1) * b->weight[i[s]][lane] * product;
       double own = sum;
-      for (int m = 0; m < q; m++)
-        sum -= b->factor[HK_RIGID_AT(p, m)][lane] * b->factor[HK_RIGID_AT(q, m)][lane];
+      for (int m = 0; m < q; m++) sum -= b->factor[HK_RIGID_AT(p, m)][lane] * b->factor[HK_RIGID_AT(q, m)][lane];
       if (p == q && !(sum > 1e-9 * own)) return false; /* flat, or no such body */
       b->factor[HK_RIGID_AT(p, q)][lane] = p == q ? 1 / sqrt(sum) : sum * b->factor[HK_RIGID_AT(q, q)][lane];
     }

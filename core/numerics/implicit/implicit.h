@@ -28,7 +28,8 @@ bool hk_implicit_constrained(const hk_dynamics *);
 
 /* ---- rider_blocks.c ---- */
 
-/* Names the blocks of the carriers, for those of riders that are named; after a fill, moves what riders have to them. */
+/* Names the blocks of the carriers, for those of riders that are named; after a fill, moves what riders have to them.
+ */
 void hk_implicit_name_carriers(const hk_dynamics *, hk_implicit_matrix *);
 void hk_implicit_carry_over(const hk_dynamics *, hk_implicit_matrix *);
 

@@ -8,7 +8,7 @@
 
 /* The carriers of a particle and their weights: of what is no rider, itself. */
 static hk_rider carriers_of(const hk_model *m, uint32_t i) {
-  const hk_rider *r = hk_rider_of(m, i);
+  const hk_rider *r = hk_model_rider(m, i);
   return r ? *r : (hk_rider){.particle = i, .carriers = 1, .carrier = {i}, .weight = {1}};
 }
 

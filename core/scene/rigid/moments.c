@@ -161,9 +161,9 @@ static const char *check_closed(const hk_mesh *m, char text[HK_RIGID_TEXT]) {
 
 static void add_tetrahedron(hk_moments *m, const double corner[3][3]) {
   const double *a = corner[0], *b = corner[1], *c = corner[2];
-  double V = (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-              a[2] * (b[0] * c[1] - b[1] * c[0])) /
-             6;
+  double V =
+      (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) /
+      6;
   double s[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
   m->mass += V;
   for (int k = 0; k < 3; k++) m->center[k] += V * s[k] / 4;

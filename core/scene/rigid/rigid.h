@@ -43,11 +43,11 @@ const char *hk_moments_set_inertia(hk_moments *, const double inertia[9], char t
  * body's mass, centre and second moments: a tetrahedron, of a flat body a triangle, of a rod two points. */
 typedef struct hk_rigid_body {
   double mass, center[3];
-  double axes[9];       /* the principal axes as columns, right-handed, in the frame of the body */
-  int dimensions;       /* 1 to 3: the first principal axes, along which it has an extent */
-  double a[3];          /* m, sqrt(S_k / m) along them, falling; 0 beyond `dimensions` */
-  size_t count;         /* dimensions + 1 */
-  double q[4][3];       /* m */
+  double axes[9]; /* the principal axes as columns, right-handed, in the frame of the body */
+  int dimensions; /* 1 to 3: the first principal axes, along which it has an extent */
+  double a[3];    /* m, sqrt(S_k / m) along them, falling; 0 beyond `dimensions` */
+  size_t count;   /* dimensions + 1 */
+  double q[4][3]; /* m */
 } hk_rigid_body;
 
 /* An extent below 1e-6 of the largest is dropped. Refused are moments that are not finite, no mass, and no extent. */
@@ -55,7 +55,8 @@ const char *hk_rigid_body_of(const hk_moments *, hk_rigid_body *);
 /* kg m^2, of the body, about its k-th principal axis. */
 double hk_rigid_body_inertia(const hk_rigid_body *, int k);
 /* The places of the particles, count x 3, m, and their velocities, m/s, where the origin of the body's frame is at
- * `origin`, turned by R (by rows), the centre of mass moves with `velocity`, and the body spins (rad/s). */
+ * `origin`, turned by R (by rows), the centre of mass moves with `velocity`, and the body turns
+ * at `spin`, rad/s. */
 void hk_rigid_body_place(const hk_rigid_body *, const double origin[3], const double R[9], const double velocity[3],
                          const double spin[3], double *x, double *v);
 /* The weights of the particles, with the sum 1, whose combination is the point y of the body's frame, wherever the body
@@ -81,6 +82,6 @@ hk_rigid_motion hk_rigid_motion_of(const hk_rigid_body *, const double *x, const
 /* The unit quaternion (w, x, y, z), w >= 0, of a rotation by rows. Shepperd, J. Guidance and Control 1 (1978) 223. */
 void hk_quaternion_of(const double R[9], double q[4]);
 void hk_rotation_of_quaternion(const double q[4], double R[9]); /* of a unit quaternion */
-double hk_rotation_error(const double R[9]); /* the largest |R R^T - 1|; 2 of a reflection */
+double hk_rotation_error(const double R[9]);                    /* the largest |R R^T - 1|; 2 of a reflection */
 
 #endif

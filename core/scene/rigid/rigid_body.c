@@ -57,8 +57,8 @@ static void find_axes(const hk_moments *m, hk_rigid_body *b) {
     for (int c = 0; c < 3; c++) b->axes[3 * c + k] = V[c][order[k]];
   }
   const double *P = b->axes;
-  double det = P[0] * (P[4] * P[8] - P[5] * P[7]) - P[1] * (P[3] * P[8] - P[5] * P[6]) +
-               P[2] * (P[3] * P[7] - P[4] * P[6]);
+  double det =
+      P[0] * (P[4] * P[8] - P[5] * P[7]) - P[1] * (P[3] * P[8] - P[5] * P[6]) + P[2] * (P[3] * P[7] - P[4] * P[6]);
   for (int c = 0; c < 3 && det < 0; c++) b->axes[3 * c + 2] = -b->axes[3 * c + 2];
 }
 

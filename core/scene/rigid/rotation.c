@@ -29,7 +29,7 @@ double hk_rotation_error(const double R[9]) {
     const double *a = R + p / 3 * 3, *b = R + p % 3 * 3;
     most = fmax(most, fabs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - (p % 4 == 0)));
   }
-  double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
-               R[2] * (R[3] * R[7] - R[4] * R[6]);
+  double det =
+      R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6]);
   return det < 0 ? 2 : most;
 }

@@ -137,14 +137,3 @@ hk_status hk_scene_add_skin(hk_scene *scene, const hk_body_skin *skin, hk_error 
   copy->triangle = (const uint32_t(*)[3])triangle;
   return HK_OK;
 }
-
-void hk_scene_free_bodies(hk_scene *scene) {
-  for (size_t k = 0; k < scene->particles.skins; k++) {
-    free((void *)(uintptr_t)scene->particles.skin[k].vertex);
-    free((void *)(uintptr_t)scene->particles.skin[k].triangle);
-  }
-  free(scene->particles.skin);
-  free(scene->particles.rider);
-  free((void *)(uintptr_t)scene->distances.pairs.index);
-  free((void *)(uintptr_t)scene->differences.pairs.index);
-}

@@ -32,8 +32,3 @@ const char *hk_scene_place_of(const hk_scene *scene, uint32_t id) {
     where = scene->places.item[k].where;
   return where;
 }
-
-void hk_scene_free_places(hk_scene *scene) {
-  for (size_t k = 0; k < scene->places.count; k++) free(scene->places.item[k].where);
-  free(scene->places.item);
-}

@@ -55,10 +55,10 @@ typedef struct hk_scene {
   hk_particles particles;
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
-  hk_periodic_box box;       /* repeats along no axis: space is open */
+  hk_periodic_box box;                  /* repeats along no axis: space is open */
   hk_kept_pairs distances, differences; /* of rigid bodies and joints */
-  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
-  bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
+  hk_specs plugin[HK_KINDS];            /* at most one integrator and one solver; without one the default is used */
+  bool integrator_auto;                 /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
@@ -100,8 +100,6 @@ hk_status hk_scene_add_edges(hk_scene *, size_t count, const uint32_t (*edge)[2]
 hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*triangle)[3], hk_error *error);
 /* A strand: the `count` particles added last, from first_id on, with the half axes of its section, m. */
 hk_status hk_scene_add_strand(hk_scene *, uint32_t first_id, size_t count, const double half_axis[2], hk_error *error);
-hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
-                               hk_error *error);
 
 /* Adds a plugin by kind and name or path; an integrator or solver replaces the scene's. `label` NULL: the name,
  * followed by "#2" etc. when it is in use. The caller then sets the parameters of the spec and calls hk_spec_check;
@@ -121,6 +119,11 @@ const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const c
 hk_status hk_scene_set_box(hk_scene *, const double low[3], const double high[3], const char *axes, hk_error *error);
 bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 
+/* ---- measure.c ---- */
+
+hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
+                               hk_error *error);
+
 /* ---- bodies.c: what rigid bodies have beside particles ---- */
 
 /* Holds `count` pairs of ids at their distances at the start, by a constraint that keeps distances (HK_DISTANCES): the
@@ -133,12 +136,10 @@ hk_status hk_scene_add_differences(hk_scene *, const char *where, size_t count, 
 hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);
 /* A surface for pictures, of ids; its lists are copied. */
 hk_status hk_scene_add_skin(hk_scene *, const hk_body_skin *, hk_error *error);
-void hk_scene_free_bodies(hk_scene *);
 
 /* ---- place.c: lines of the script, for messages ---- */
 
 hk_status hk_scene_note_place(hk_scene *, uint32_t first_id, const char *where, hk_error *error);
-void hk_scene_free_places(hk_scene *);
 const char *hk_scene_place_of(const hk_scene *, uint32_t id); /* the script's name where no line is known */
 /* *where becomes a copy of the text. */
 hk_status hk_scene_set_where(char **where, const char *text, hk_error *error);

@@ -180,8 +180,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
-  if (f->skins)
-    hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + f->snapshot.solids - f->skins, f->skins);
+  if (f->skins) hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + f->snapshot.solids - f->skins, f->skins);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)

@@ -11,7 +11,8 @@ end
 
 return validation.problem {
   title = "Compound pendulum on a hinge",
-  quantities = { { name = "period", unit = "s", reference = reference, source = "elliptic integral (Landau and Lifshitz, Mechanics, 11)" } },
+  quantities = { { name = "period", unit = "s", reference = reference,
+    source = "elliptic integral (Landau and Lifshitz, Mechanics, 11)" } },
   time = { 0.01, 0.005, 0.0025 },
   order = { time = 2 },
   tolerance = 1e-6,

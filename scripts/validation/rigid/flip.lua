@@ -19,7 +19,8 @@ end
 
 return validation.problem {
   title = "A box spun about its middle axis turns over",
-  quantities = { { name = "half period", unit = "s", reference = reference, source = "elliptic integral (Landau and Lifshitz, Mechanics, 37)" } },
+  quantities = { { name = "half period", unit = "s", reference = reference,
+    source = "elliptic integral (Landau and Lifshitz, Mechanics, 37)" } },
   time = { 0.08, 0.04, 0.02 },
   order = { time = 2 },
   tolerance = 2e-6,

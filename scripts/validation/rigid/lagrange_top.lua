@@ -14,14 +14,16 @@ local root = math.sqrt(a ^ 4 - 4 * beta * (a * a * u2 - beta))
 local u1, u3 = (a * a - root) / (2 * beta), (a * a + root) / (2 * beta)
 
 local function nutation()
-  return 2 * numerics.integrate(function(s) return 1 / math.sqrt(beta * (u3 - (u1 + u2) / 2 + (u2 - u1) / 2 * math.cos(s))) end, 0, math.pi)
+  local function slowness(s) return 1 / math.sqrt(beta * (u3 - (u1 + u2) / 2 + (u2 - u1) / 2 * math.cos(s))) end
+  return 2 * numerics.integrate(slowness, 0, math.pi)
 end
 
 local function attitude()
   return bodies.attitude(I, { math.cos(angle / 2), 0, math.sin(angle / 2), 0 }, { 0, 0, spin }, t, { 0, 0, l }, { 0, 0, -m * g })
 end
 
-local quantities = { { name = "nutation period", unit = "s", reference = nutation, source = "quadrature (Goldstein, Classical Mechanics, 5.7)" } }
+local quantities = { { name = "nutation period", unit = "s", reference = nutation,
+  source = "quadrature (Goldstein, Classical Mechanics, 5.7)" } }
 for k = 1, 3 do
   quantities[k + 1] = { name = "axis, " .. ("xyz"):sub(k, k), reference = function() return attitude()[k][3] end, scale = 1,
     source = "Euler's equations, extrapolated to 1e-13" }

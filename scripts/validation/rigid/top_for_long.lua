@@ -12,7 +12,8 @@ return validation.problem {
   solve = function(at)
     local scene = hooke.scene { duration = at.quick and 4 or 40, fps = 25, dt = at.h, integrator = "kahan_li8" }
     local up = { math.sin(0.5), 0, math.cos(0.5) }
-    local body = scene:rigid { mass = 1, inertia = { 0.2, 0.2, 0.1 }, orientation = { 0, 0.5, 0 }, position = { 0.5 * up[1], 0, 0.5 * up[3] },
+    local body = scene:rigid { mass = 1, inertia = { 0.2, 0.2, 0.1 }, orientation = { 0, 0.5, 0 },
+      position = { 0.5 * up[1], 0, 0.5 * up[3] },
       spin = { 40 * up[1], 0, 40 * up[3] } }
     scene:joint { kind = "ball", a = body, at = { 0, 0, 0 } }
     scene:force("gravity", { g = { 0, 0, -9.81 } })

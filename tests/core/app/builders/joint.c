@@ -17,7 +17,8 @@ static test_result r;
 static const char *const prelude =
     "local scene = hooke.scene { duration = 0.5, fps = 10, dt = 1 / 400, integrator = 'leapfrog' }\n"
     "scene:force('gravity', { g = {0, 0, -9.81} })\n"
-    "local a = scene:rigid { shape = 'box', size = {0.2, 0.3, 1}, mass = 2, position = {0, 0, 0}, spin = {1, 2, 0.5} }\n"
+    "local a = scene:rigid { shape = 'box', size = {0.2, 0.3, 1}, mass = 2, position = {0, 0, 0}, spin = {1, 2, 0.5} "
+    "}\n"
     "local b = scene:rigid { shape = 'box', size = {1, 0.2, 0.3}, mass = 1, position = {0.5, 0, 0.5} }\n"
     "local function dot(p, q) return p[1] * q[1] + p[2] * q[2] + p[3] * q[3] end\n"
     "local function apart(p, q) return math.sqrt((p[1]-q[1])^2 + (p[2]-q[2])^2 + (p[3]-q[3])^2) end\n"
@@ -51,7 +52,8 @@ static void joints_keep_what_they_say_and_no_more(void **state) {
   (void)state;
   const char *ball = "scene:joint { kind = 'ball', a = a, b = b, at = {0, 0, 0.5} }";
   const char *hinge = "scene:joint { kind = 'hinge', a = a, b = b, at = {0, 0, 0.5}, axis = {0, 1, 0} }";
-  const char *universal = "scene:joint { kind = 'universal', a = a, b = b, at = {0, 0, 0.5}, axis = {0, 0, 1}, axis_b = {1, 0, 0} }";
+  const char *universal =
+      "scene:joint { kind = 'universal', a = a, b = b, at = {0, 0, 0.5}, axis = {0, 0, 1}, axis_b = {1, 0, 0} }";
   const char *fixed = "scene:joint { kind = 'fixed', a = a, b = b, at = {0, 0, 0.5} }";
   const char *meet = "apart(s:position(pa), s:position(pb))";
   below(most(ball, meet), 1e-12);
@@ -72,9 +74,10 @@ static void joints_keep_what_they_say_and_no_more(void **state) {
 
 static void bodies_are_joined_to_particles_and_to_what_stands_still(void **state) {
   (void)state;
-  below(most("local p = scene:particle { position = {0, 0, 0.5}, mass = 3 }\nscene:joint { kind = 'ball', a = a, b = p }",
-             "apart(s:position(p), s:position(pa))"),
-        1e-12);
+  below(
+      most("local p = scene:particle { position = {0, 0, 0.5}, mass = 3 }\nscene:joint { kind = 'ball', a = a, b = p }",
+           "apart(s:position(p), s:position(pa))"),
+      1e-12);
   below(most("scene:joint { kind = 'ball', a = a, at = {0, 0, 0.5} }", "apart(s:position(pa), {0, 0, 0.5})"), 1e-12);
   below(most("scene:joint { kind = 'hinge', a = a, at = {0, 0, 0.5}, axis = {0, 1, 0} }",
              "apart(column(a, s, 2), {0, 1, 0})"),

@@ -48,8 +48,9 @@ static void shapes_have_their_mass_and_moments(void **state) {
 
 static void parts_are_one_body(void **state) {
   (void)state;
-  const char *halves = "local b = scene:rigid { mass = 8, parts = { { shape = 'box', size = 1, position = {0.5, 0, 0} },"
-                       " { shape = 'box', size = 1, position = {-0.5, 0, 0}, orientation = {0, 0, math.pi} } } }";
+  const char *halves =
+      "local b = scene:rigid { mass = 8, parts = { { shape = 'box', size = 1, position = {0.5, 0, 0} },"
+      " { shape = 'box', size = 1, position = {-0.5, 0, 0}, orientation = {0, 0, math.pi} } } }";
   near(measured(halves, "b.inertia[1]"), 8 * 2 / 12.0, 1e-14);
   near(measured(halves, "b.inertia[3]"), 8 * 5 / 12.0, 1e-14);
 }
@@ -72,8 +73,9 @@ static void orientations_mean_the_same_in_three_forms(void **state) {
 
 static void motions_are_read_as_they_were_given(void **state) {
   (void)state;
-  const char *body = "local b = scene:rigid { mass = 2, inertia = {1, 2, 2.5}, velocity = {1, 2, 3}, spin = {3, 2, 1} }\n"
-                     "local p = b:point{0, 1, 0}";
+  const char *body =
+      "local b = scene:rigid { mass = 2, inertia = {1, 2, 2.5}, velocity = {1, 2, 3}, spin = {3, 2, 1} }\n"
+      "local p = b:point{0, 1, 0}";
   near(measured(body, "b:spin(s)[1] + 10 * b:spin(s)[2] + 100 * b:spin(s)[3]"), 123, 1e-12);
   near(measured(body, "b:momentum(s)[3]"), 6, 1e-14);
   near(measured(body, "b:angular_momentum(s)[2]"), 4, 1e-14);
@@ -85,8 +87,8 @@ static void motions_are_read_as_they_were_given(void **state) {
 
 static void refused(const char *body, const char *text) {
   char scene[1024];
-  snprintf(scene, sizeof scene, "local scene = hooke.scene { duration = 0 }\nlocal b = scene:rigid { %s }\nreturn scene\n",
-           body);
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = 0 }\nlocal b = scene:rigid { %s }\nreturn scene\n", body);
   test_refused(scene, "--quiet", 1, text);
 }
 
@@ -99,7 +101,8 @@ static void what_no_body_is_gets_a_sentence(void **state) {
   refused("shape = 'sphere', radius = 1, mass = 1, density = 1", "give mass or density, not both");
   refused("shape = 'ball', radius = 1, mass = 1", "rigid: shape: there is no 'ball'");
   refused("mass = 1", "expected a shape, a mesh, points, parts, or mass and inertia");
-  refused("shape = 'box', size = 1, mass = 1, orientation = {1, 1, 0, 0}", "has the length 1.414214: divide it by that");
+  refused("shape = 'box', size = 1, mass = 1, orientation = {1, 1, 0, 0}",
+          "has the length 1.414214: divide it by that");
   refused("shape = 'box', size = 1, mass = 1, orientation = {{1,0,0},{0,1,0},{0,0,-1}}", "reflection");
   refused("shape = 'box', size = 1, mass = 1, orientation = {{1,0,0},{0,2,0},{0,0,1}}", "no unit vectors");
   refused("shape = 'box', size = 1, mass = 1, velocity = {0, 0/0, 0}", "velocity");
@@ -109,8 +112,8 @@ static void what_no_body_is_gets_a_sentence(void **state) {
           "1 of 2 have neither mass nor density");
   test_write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
   refused("mesh = 'open.obj', density = 1", "rigid: open.obj: the surface is open: the edge between vertices 1 and 3");
-  test_refused("local s = hooke.scene { duration = 0 }\ns:rigid { mesh = 'none.obj', density = 1 }\nreturn s\n", "--quiet",
-               4, "none.obj");
+  test_refused("local s = hooke.scene { duration = 0 }\ns:rigid { mesh = 'none.obj', density = 1 }\nreturn s\n",
+               "--quiet", 4, "none.obj");
 }
 
 static void points_that_a_body_has_not_are_refused(void **state) {

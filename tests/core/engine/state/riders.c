@@ -18,8 +18,8 @@ static uint32_t rider(test_engine *e, const double weight[4]) {
   return r.particle;
 }
 
-/* A tetrahedron of free particles with riders 5 and 6, one far outside, and a fixed particle 7; springs join 5 to 7, 5 to
- * 6 and 6 to 1. */
+/* A tetrahedron of free particles with riders 5 and 6, one far outside, and a fixed particle 7; springs join 5 to 7, 5
+ * to 6 and 6 to 1. */
 static void scene(test_engine *e, double damping) {
   test_engine_open(e);
   test_particle(e, 0.1, 0, 0, 1);

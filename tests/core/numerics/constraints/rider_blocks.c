@@ -57,8 +57,8 @@ static void a_body_at_rest_pulls_with_its_weight(void **state) {
 /* Let go at rest from 0.8 rad the box turns with w'^2 I = 2 m g d (cos - cos 0.8), I = m (0.2^2 + 1)/12 + m d^2 about
  * the weld: the energy at t gives the spin. */
 static void a_swinging_body_keeps_its_energy_by_every_kind_of_method(void **state) {
-  static const char *const methods[] = {"leapfrog",     "kahan_li8", "rk4", "dopri5 --tol 1e-9", "implicit_midpoint",
-                                        "esdirk4 --tol 1e-8"};
+  static const char *const methods[] = {"leapfrog",          "kahan_li8",         "rk4",
+                                        "dopri5 --tol 1e-9", "implicit_midpoint", "esdirk4 --tol 1e-8"};
   const double within[] = {3e-5, 1e-12, 1e-9, 1e-6, 1e-4, 1e-5};
   (void)state;
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {

@@ -1,5 +1,5 @@
-/* Free rigid groups, which are kept group by group, move as where all equations are solved together, to rounding; to the
- * same bits for any width of vectors and number of threads; and long steps go over to the other way. */
+/* Free rigid groups, which are kept group by group, move as where all equations are solved together, to rounding; to
+ * the same bits for any width of vectors and number of threads; and long steps go over to the other way. */
 #include "core/numerics/constraints/constraints.h"
 #include "tests/support/engine.h"
 
@@ -11,8 +11,8 @@
 
 enum { MOST = 400 };
 
-/* `each` groups of four, three and two particles of unlike masses and shapes, under a pull to the origin; `chained`: with
- * two bars in a row, which are no group. */
+/* `each` groups of four, three and two particles of unlike masses and shapes, under a pull to the origin; `chained`:
+ * with two bars in a row, which are no group. */
 static void scene(test_engine *e, int each, bool chained, double spin) {
   uint32_t edge[MOST][2];
   size_t edges = 0;
@@ -21,7 +21,8 @@ static void scene(test_engine *e, int each, bool chained, double spin) {
     int size = 4 - g % 3;
     uint32_t first = (uint32_t)e->scene->particles.n + 1;
     for (int k = 0; k < size; k++)
-      test_particle(e, 3 * g + (k == 1) + 0.3 * sin(g), 1.5 * (k == 2), (k == 3) + 0.1 * cos(7 * g), 1 + 0.3 * k + g % 2);
+      test_particle(e, 3 * g + (k == 1) + 0.3 * sin(g), 1.5 * (k == 2), (k == 3) + 0.1 * cos(7 * g),
+                    1 + 0.3 * k + g % 2);
     for (uint32_t i = 0; i < (uint32_t)size; i++) {
       const double *x = e->scene->particles.position + 3 * (first + i - 1);
       double *v = e->scene->particles.velocity + 3 * (first + i - 1);

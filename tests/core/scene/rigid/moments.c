@@ -1,5 +1,5 @@
-/* Moments: of meshes exactly those of the solid, wherever it lies and however it is turned; of round shapes the limit of
- * their facets; of parts by Steiner's theorem. What encloses nothing, and moments that no body has, are refused. */
+/* Moments: of meshes exactly those of the solid, wherever it lies and however it is turned; of round shapes the limit
+ * of their facets; of parts by Steiner's theorem. What encloses nothing, and moments that no body has, are refused. */
 #include "core/scene/rigid/rigid.h"
 
 #include <math.h>

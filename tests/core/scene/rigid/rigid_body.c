@@ -1,5 +1,6 @@
 /* The particles of a body have its mass, centre and second moments, for thick, flat and thin ones at any attitude; its
- * points are their combinations; and how it moves is read from them. Tolerances are rounding of some dozen operations. */
+ * points are their combinations; and how it moves is read from them. Tolerances are rounding of some dozen operations.
+ */
 #include "core/scene/rigid/rigid.h"
 
 #include <math.h>

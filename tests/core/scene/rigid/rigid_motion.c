@@ -32,8 +32,7 @@ static void a_motion_is_read_as_it_was_given(void **state) {
     for (int c = 0; c < 3; c++) {
       double inside = R[c] * spin[0] + R[3 + c] * spin[1] + R[6 + c] * spin[2], L = 0;
       energy += I[c] * inside * inside / 2;
-      for (int k = 0; k < 3; k++)
-        L += R[3 * c + k] * I[k] * (R[k] * spin[0] + R[3 + k] * spin[1] + R[6 + k] * spin[2]);
+      for (int k = 0; k < 3; k++) L += R[3 * c + k] * I[k] * (R[k] * spin[0] + R[3 + k] * spin[1] + R[6 + k] * spin[2]);
       near(found.spin[c], spin[c], 1e-13);
       near(found.momentum[c], 2 * velocity[c], 1e-14);
       near(found.angular_momentum[c], L, 1e-13);

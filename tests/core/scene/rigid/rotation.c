@@ -13,8 +13,8 @@
 
 static void quaternions_and_matrices_go_over_into_each_other(void **state) {
   (void)state;
-  const double list[6][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0.5, 0.5, -0.5, 0.5}, {0, 0.6, 0, -0.8}, {0.1, 0.7, 0.1, 0.7},
-                             {0.001, 0, -1, 0}};
+  const double list[6][4] = {{1, 0, 0, 0},      {0, 1, 0, 0},         {0.5, 0.5, -0.5, 0.5},
+                             {0, 0.6, 0, -0.8}, {0.1, 0.7, 0.1, 0.7}, {0.001, 0, -1, 0}};
   for (int k = 0; k < 6; k++) {
     double q[4], R[9], back[4], length = 0, product = 0;
     for (int c = 0; c < 4; c++) length += list[k][c] * list[k][c];

@@ -1,6 +1,6 @@
-/* Rigid bodies in scripts: what the files rigid_*.c and joint.c share. */
-#ifndef HK_BUILD_RIGID_H
-#define HK_BUILD_RIGID_H
+/* Rigid bodies in scripts: what rigid.c, rigid_shape.c and joint.c share. */
+#ifndef HK_RIGID_BODIES_H
+#define HK_RIGID_BODIES_H
 
 #include "core/app/builders/builders.h"
 #include "core/app/mesh_files/mesh_files.h"
@@ -20,7 +20,7 @@ hk_moments hk_rigid_read(lua_State *L, hk_mesh *skin);
  * quaternion (four numbers, w first) or a matrix (three rows); 1 where it is absent. */
 void hk_rigid_read_orientation(lua_State *L, int table, double R[9]);
 
-/* ---- rigid_handle.c ---- */
+/* ---- rigid.c ---- */
 
 hk_lua_rigid *hk_rigid_push(lua_State *L, int scene, const hk_lua_rigid *);
 hk_lua_rigid *hk_rigid_to(lua_State *L, int index); /* NULL: the value is no rigid body */

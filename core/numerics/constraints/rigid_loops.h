@@ -1,6 +1,6 @@
 /* Rigid groups of a scene: of this room alone. */
-#ifndef HK_RIGID_GROUPS_H
-#define HK_RIGID_GROUPS_H
+#ifndef HK_RIGID_LOOPS_H
+#define HK_RIGID_LOOPS_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@ enum { HK_RIGID_BUNDLE = 8 };
 typedef struct hk_rigid_bundle {
   int size, used; /* particles of a group, 2 to 4; groups */
   uint32_t particle[4][HK_RIGID_BUNDLE], equation[6][HK_RIGID_BUNDLE];
-  double weight[4][HK_RIGID_BUNDLE]; /* inverse masses, 1/kg */
+  double weight[4][HK_RIGID_BUNDLE];                                 /* inverse masses, 1/kg */
   double square[6][HK_RIGID_BUNDLE], per_length[6][HK_RIGID_BUNDLE]; /* L^2, m^2; 1/L, 1/m */
   double factor[21][HK_RIGID_BUNDLE]; /* lower triangle of F, A = F F^T, by rows, its diagonal as reciprocals */
 } hk_rigid_bundle;
