@@ -1,9 +1,11 @@
 /* scene:joint{ kind = "ball" | "hinge" | "universal" | "fixed" | "distance", a =, b =, at =, axis = }: joins a rigid
- * body to another one, to a particle, or, without b, to the place where it is. Joints are points of the bodies (riders)
- * that stay together, by the constraint that keeps differences: one for a ball, two on its axis for a hinge, three for
- * what is fixed. Equations that follow from others, as one of the six of a hinge, rest. A universal joint is a ball and
- * one distance, between points on the axes of either body, which keeps the angle between these; a distance is one
- * between `at` on a and `to` on b. All places are those of the start, in the scene's coordinates. */
+ * body to another one, to a particle, or, without b, to the place where it is. A ball is two points of the bodies
+ * (riders) that stay together, by the constraint that keeps differences, and so is the middle of every other joint.
+ * What may not turn is kept by distances between further points, each of which forbids turning about one direction, the
+ * same in the bodies at any attitude: two for a hinge, three for what is fixed, one for a universal joint, between
+ * points on the axes of either body. So no equation follows from others. (Two points kept together on the axis of a
+ * hinge are six equations of which one follows from others, another one as the axis turns.) A distance is one between
+ * `at` on a and `to` on b. All places are those of the start, in the scene's coordinates. */
 #include "core/app/builders/rigid_bodies.h"
 #include "core/engine/text/text.h"
 
@@ -144,27 +146,34 @@ static void read_place(joint *j) {
 
 /* ---- the kinds ---- */
 
+/* The distance between the point at p (from the joint, in `size`) on a and that at p + u on b: for a small turn w of a
+ * it changes by w.(p x u), whatever the attitude of the two. */
+static void keep_turn(const joint *j, const double p[3], const double u[3]) {
+  double on_a[3], on_b[3], sum[3] = {p[0] + u[0], p[1] + u[1], p[2] + u[2]};
+  along(j, p, 1, on_a);
+  along(j, sum, 1, on_b);
+  keep(j, point_on(j, j->a, on_a), point_of_b(j, on_b), true);
+}
+
+/* Turns about the two directions across the axis are kept. */
 static void make_hinge(const joint *j) {
-  double axis[3], end[3];
+  double axis[3], side[3], other[3];
   need_axis(j, axis);
-  for (int side = -1; side < 2; side += 2) {
-    along(j, axis, side / 2.0, end);
-    join_at(j, end);
-  }
+  hk_frame_across(axis, side, other);
+  join_at(j, j->at);
+  keep_turn(j, axis, side);
+  keep_turn(j, axis, other);
 }
 
 static void make_fixed(const joint *j) {
-  double end[3];
-  for (int c = 0; c < 3; c++) {
-    double axis[3] = {c == 0, c == 1, c == 2};
-    along(j, axis, 1, end);
-    join_at(j, end);
-  }
+  static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  join_at(j, j->at);
+  for (int c = 0; c < 3; c++) keep_turn(j, axis[c], axis[(c + 1) % 3]);
 }
 
 /* The axis is fixed in a, axis_b, across it where it is not given, in b. */
 static void make_universal(const joint *j) {
-  double axis[3], other[3], third[3], p[3], q[3];
+  double axis[3], other[3], third[3], apart[3];
   need_axis(j, axis);
   hk_frame_across(axis, other, third);
   read_axis(j, "axis_b", other);
@@ -172,9 +181,8 @@ static void make_universal(const joint *j) {
   if (!(fabs(cosine) < 0.99))
     hk_lua_fail(j->L, HK_BAD_PARAM, "joint: axis_b: the axes of a universal joint have different directions");
   join_at(j, j->at);
-  along(j, axis, 1, p);
-  along(j, other, 1, q);
-  keep(j, point_on(j, j->a, p), point_of_b(j, q), true);
+  for (int c = 0; c < 3; c++) apart[c] = other[c] - axis[c];
+  keep_turn(j, axis, apart);
 }
 
 static void make_distance(const joint *j) {
