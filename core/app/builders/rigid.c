@@ -10,6 +10,7 @@
 #include <string.h>
 
 static const char rigid_type[] = "hooke.rigid";
+static const double farthest = 1e6; /* weight of a particle in a point of the body */
 
 hk_lua_rigid *hk_rigid_push(lua_State *L, int scene, const hk_lua_rigid *from) {
   scene = lua_absindex(L, scene);
@@ -111,6 +112,12 @@ uint32_t hk_rigid_add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r
                 "point: {%g, %g, %g} lies %.4g m off the %s that the body is, which has no points there: give it an "
                 "extent across",
                 y[0], y[1], y[2], off, r->body.dimensions == 2 ? "plane" : "line");
+  for (uint32_t k = 0; k < rider.carriers; k++)
+    if (!(fabs(rider.weight[k]) < farthest))
+      hk_lua_fail(
+          L, HK_BAD_PARAM,
+          "point: {%g, %g, %g} lies a million times as far off as the body reaches, %.3g m: no digits would be left",
+          y[0], y[1], y[2], r->body.a[0]);
   for (uint32_t k = 0; k < rider.carriers; k++) rider.carrier[k] = r->first + k;
   hk_limits_take(L, sizeof rider);
   rider.particle = hk_lua_add(L, scene, "point", 1, nowhere, NULL, NULL, 0, scene->particles.group[r->first - 1]);

@@ -119,6 +119,7 @@ static void what_no_body_is_gets_a_sentence(void **state) {
 static void points_that_a_body_has_not_are_refused(void **state) {
   (void)state;
   refused("mass = 1, inertia = {1, 2, 3} }\nb:point{1, 1, 1", "off the plane that the body is");
+  refused("shape = 'box', size = 1, mass = 1 }\nb:point{1e9, 0, 0", "no digits would be left");
   refused("shape = 'box', size = 1, mass = 1 }\nscene:pin { b:point{0, 0, 1} ",
           "is a point of a rigid body and goes where that goes");
 }
