@@ -60,13 +60,15 @@ static void a_run_goes_on_to_the_same_bits(void **state) {
   test_write("linkage.lua", linkage);
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
     char line[256];
-    snprintf(line, sizeof line, "run linkage.lua --quiet --trust --integrator %s --state whole.csv --out whole", methods[k]);
+    snprintf(line, sizeof line, "run linkage.lua --quiet --trust --integrator %s --state whole.csv --out whole",
+             methods[k]);
     run(line);
     snprintf(line, sizeof line, "run linkage.lua --quiet --trust --integrator %s --until 0.5 --out part", methods[k]);
     run(line);
-    snprintf(line, sizeof line,
-             "run linkage.lua --quiet --trust --integrator %s --resume part/newest.checkpoint --until 1 --state part.csv",
-             methods[k]);
+    snprintf(
+        line, sizeof line,
+        "run linkage.lua --quiet --trust --integrator %s --resume part/newest.checkpoint --until 1 --state part.csv",
+        methods[k]);
     run(line);
     same("whole.csv", "part.csv");
   }
