@@ -16,7 +16,7 @@ local source_graph = require("source_graph")
 local buildings = {
   { "engine", "text", "base", "contract", "host", "state", "blocks", "evaluate", "loop" },
   { "numerics", "functions", "stability", "matrix", "constraints", "implicit", "population", "step_choice" },
-  { "scene", "scene", "meshes" },
+  { "scene", "scene", "meshes", "rigid" },
   { "run", "judge", "storage", "report", "run" },
   { "app", "script", "mesh_files", "builders", "lua", "tools", "process", "command" },
 }

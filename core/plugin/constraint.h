@@ -4,8 +4,14 @@
 
 #include "core/plugin/facets/implicit.h"
 
-enum {                  /* hk_constraint.flags */
-       HK_ONE_SIDED = 1 /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
+enum {                   /* hk_constraint.flags */
+       HK_ONE_SIDED = 1, /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
+       /* For rigid bodies: what the host holds their particles and joints together by. Pairs are those of the first
+        * list of edges among the parameters. */
+       HK_DISTANCES = 2,  /* equation k is L - |x_j - x_i| of pair k. L is constant, the value of the first parameter
+                             per tuple, which `create` fills with the distance at the start where it is not given */
+       HK_DIFFERENCES = 4 /* equations 3 k to 3 k + 2 keep x_j - x_i of pair k, as at the start where nothing else is
+                             given */
 };
 
 /* `count` equations whose value is in metres. The force J^T lambda on the particles is towards growing g; scripts read

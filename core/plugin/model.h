@@ -6,10 +6,32 @@
 typedef enum hk_pin {
   HK_FREE,
   HK_PIN_FIXED,
-  HK_PIN_PATH, /* follows a path of the script; forces on it have no effect */
-  HK_PIN_LINE, /* slides along a line */
-  HK_PIN_PLANE /* slides in a plane */
+  HK_PIN_PATH,  /* follows a path of the script; forces on it have no effect */
+  HK_PIN_LINE,  /* slides along a line */
+  HK_PIN_PLANE, /* slides in a plane */
+  HK_PIN_RIDES  /* is carried by others, see hk_rider; forces on it act on these */
 } hk_pin;
+
+/* A particle without mass whose place is a fixed linear combination of those of others, x = sum of weight[k] x of
+ * carrier[k], and so is its velocity: a point of a rigid body. The host puts it there, wherever it imposes pins, and
+ * carries what acts on it over to the carriers: forces by F of carrier[k] += weight[k] F, Jacobians and the gradients
+ * of equations likewise. The carriers are no riders. */
+enum { HK_CARRIERS = 4 };
+typedef struct hk_rider {
+  uint32_t particle, carriers; /* its index; 1 to HK_CARRIERS of them */
+  uint32_t carrier[HK_CARRIERS];
+  double weight[HK_CARRIERS]; /* with the sum 1 */
+} hk_rider;
+
+/* The surface of a body, for pictures: its triangles in a frame whose origin, and whose unit points of the three axes,
+ * are fixed linear combinations of particles. */
+typedef struct hk_body_skin {
+  uint32_t carriers, carrier[HK_CARRIERS];
+  double origin[HK_CARRIERS], axis[3][HK_CARRIERS]; /* weights; of an axis with the sum 0 */
+  size_t vertices, triangles;
+  const double *vertex;          /* vertices x 3, m, in that frame */
+  const uint32_t (*triangle)[3]; /* anticlockwise, seen from outside */
+} hk_body_skin;
 
 typedef struct hk_channel {
   const char *name;
@@ -65,7 +87,11 @@ struct hk_model {
   const uint32_t *by_id;
   const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
   double t; /* s, of the last accepted state: what a force remembers of a step's beginning is from then */
-  const hk_periodic_box *box;           /* NULL: space is open; since minor 1 */
+  const hk_periodic_box *box; /* NULL: space is open; since minor 1 */
+  size_t riders;              /* since minor 1, as what follows */
+  const hk_rider *rider;      /* by rising particle */
+  size_t skins;
+  const hk_body_skin *skin;
 };
 
 /* d, the difference of two positions, becomes that to the nearest image: at most half of the box along each axis that
@@ -80,6 +106,19 @@ static inline void hk_nearest_image(const hk_periodic_box *box, double d[3]) {
 
 /* The index of the k-th particle in the order of ids, k < n. */
 static inline size_t hk_model_nth(const hk_model *m, size_t k) { return m->by_id ? m->by_id[k] : k; }
+
+/* What carries the particle of that index; NULL: it is no rider. */
+static inline const hk_rider *hk_model_rider(const hk_model *m, size_t particle) {
+  size_t low = 0, high = m->riders;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (m->rider[middle].particle < particle)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < m->riders && m->rider[low].particle == particle ? &m->rider[low] : NULL;
+}
 
 /* The index of the particle with that id; m->n: there is none. */
 static inline size_t hk_model_find(const hk_model *m, uint32_t id) {

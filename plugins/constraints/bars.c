@@ -29,6 +29,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 }
 
 static const hk_constraint constraint = {.size = sizeof(hk_constraint),
+                                         .flags = HK_DISTANCES,
                                          .count = hk_lengths_count,
                                          .pattern = hk_lengths_pattern,
                                          .value = hk_lengths_value,

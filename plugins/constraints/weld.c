@@ -70,6 +70,7 @@ static hk_status curvature(void *self, const hk_view *view, double *c) {
 }
 
 static const hk_constraint constraint = {.size = sizeof(hk_constraint),
+                                         .flags = HK_DIFFERENCES,
                                          .count = count,
                                          .pattern = pattern,
                                          .value = value,

@@ -320,6 +320,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   hk_status status = choose_look(f, view->model);
   if (status != HK_OK) return status;
   make_plan(f, view->t);
+  f->film.skins = view->model->skins;
   note_first(f, view);
   f->film.files.fps = frame->fps / (double)f->every;
   f->changed = true;

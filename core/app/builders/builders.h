@@ -13,6 +13,9 @@ int hk_build_strand(lua_State *L);
 int hk_build_hair(lua_State *L);
 int hk_build_mesh(lua_State *L);
 int hk_build_body(lua_State *L);
+int hk_build_rigid(lua_State *L);
+int hk_build_joint(lua_State *L);
+void hk_lua_open_rigid(lua_State *L); /* the metatable of their handles */
 int hk_build_membrane(lua_State *L);
 int hk_build_block(lua_State *L);
 int hk_build_tetrahedra(lua_State *L);

@@ -13,4 +13,6 @@ const luaL_Reg hk_builders[] = {{"particle", hk_build_particle},
                                 {"tetrahedra", hk_build_tetrahedra},
                                 {"body", hk_build_body},
                                 {"implicit", hk_build_implicit},
+                                {"rigid", hk_build_rigid},
+                                {"joint", hk_build_joint},
                                 {NULL, NULL}};

@@ -5,21 +5,18 @@
 
 #include <string.h>
 
-static const char state_type[] = "hooke.state";
-
 void hk_lua_push_state(lua_State *L, int scene) {
   scene = lua_absindex(L, scene);
   hk_lua_slot **holder = lua_newuserdatauv(L, sizeof *holder, 1);
   *holder = hk_lua_slot_at(L, scene);
   lua_pushvalue(L, scene);
   lua_setiuservalue(L, -2, 1);
-  luaL_setmetatable(L, state_type);
+  luaL_setmetatable(L, hk_lua_state_type);
 }
 
 static hk_run *run_of(lua_State *L) {
-  const hk_lua_slot *slot = *(hk_lua_slot **)hk_lua_self(L, state_type, "state:position(id)");
-  const hk_run *calling = hk_lua_script(L)->calling;
-  hk_run *run = calling && calling->scene == slot->scene ? (hk_run *)(uintptr_t)calling : slot->run;
+  hk_lua_self(L, hk_lua_state_type, "state:position(id)");
+  hk_run *run = hk_lua_state_run(L, 1);
   if (!run) hk_lua_fail(L, HK_BAD_PARAM, "there is no state: the scene does not run");
   return run;
 }
@@ -195,7 +192,7 @@ hk_function hk_lua_frame_function(lua_State *L, int index) {
 }
 
 void hk_lua_open_state(lua_State *L) {
-  luaL_newmetatable(L, state_type);
+  luaL_newmetatable(L, hk_lua_state_type);
   lua_pushcfunction(L, member);
   lua_setfield(L, -2, "__index");
   lua_pushboolean(L, 0);

@@ -2,6 +2,7 @@
  * registers every library, runs the file in its sandbox and keeps the scene that it returns. A tool's state differs in
  * two things: it has full rights, and core/app/tools registers the functions that only tools have. */
 #include "core/app/lua/internal.h"
+#include "core/app/builders/builders.h"
 #include "core/engine/base/base.h"
 
 #include <errno.h>
@@ -15,6 +16,7 @@ static void open_libraries(lua_State *L) {
   luaL_openlibs(L);
   hk_lua_open_edges(L);
   hk_lua_open_handles(L);
+  hk_lua_open_rigid(L);
   hk_lua_open_scene(L);
   hk_lua_open_state(L);
   hk_lua_open_run(L);

@@ -212,6 +212,9 @@ hk_lua_scene_handle *hk_lua_push_scene(lua_State *L); /* without a scene at firs
 hk_script *hk_lua_owner(lua_State *L, int index);     /* owner of the scene at `index` */
 extern const char hk_lua_scene_type[];                /* the name of the metatable */
 hk_scene *hk_lua_scene(lua_State *L, int index);
+/* The run that a state reads; NULL: the value at `index` is no state of a scene that runs. */
+hk_run *hk_lua_state_run(lua_State *L, int index);
+extern const char hk_lua_state_type[]; /* the name of the metatable of states */
 hk_lua_slot *hk_lua_slot_at(lua_State *L, int index);
 
 /* function.c: makes an hk_function of the function at `index`. */

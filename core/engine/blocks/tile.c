@@ -49,7 +49,8 @@ typedef struct work {
 /* The complete blocks from *next to `until`, without the deferred ones. */
 static void finish_blocks(const work *w, size_t *next, size_t until, size_t at) {
   for (; *next < until; ++*next)
-    if (!w->tiles->front.deferred[*next]) hk_step_finish(w->tiles, w->step, *next, at);
+    if (!w->tiles->front.deferred[*next] && !w->tiles->state->model.riders)
+      hk_step_finish(w->tiles, w->step, *next, at);
 }
 
 static void take_block(const work *w, size_t block, size_t *next, size_t at) {
@@ -91,7 +92,7 @@ static void finish_deferred(void *context, size_t begin, size_t end, size_t chun
   size_t last = end * p->width < p->blocks ? end * p->width : p->blocks, at = p->domains + chunk;
   double clock = hk_step_clock(w->step);
   for (size_t b = begin * p->width; b < last; b++)
-    if (front->deferred[b]) hk_step_finish(w->tiles, w->step, b, at);
+    if (front->deferred[b] && !w->tiles->state->model.riders) hk_step_finish(w->tiles, w->step, b, at);
   hk_step_note_time(w->tiles, w->step, w->tiles->forces->count, at, clock);
 }
 
@@ -151,11 +152,28 @@ static hk_status end_tile(hk_tiles *tiles, size_t steps, bool sampled, double be
   return bad ? HK_NOT_FINITE : HK_OK;
 }
 
+static void finish_all(void *context, size_t begin, size_t end, size_t chunk) {
+  const work *w = context;
+  const hk_partition *p = &w->tiles->front.partition;
+  (void)chunk;
+  for (size_t domain = begin; domain < end; domain++)
+    for (size_t b = domain * p->width; b < p->blocks && b < (domain + 1) * p->width; b++)
+      hk_step_finish(w->tiles, w->step, b, domain);
+}
+
+/* What acts on riders acts on their carriers, once all of it is there. */
+static void carry_over(hk_tiles *tiles, const hk_step_in_tile *step) {
+  work w = {.tiles = tiles, .step = step};
+  hk_riders_gather(&tiles->state->model, step->a);
+  hk_threads_for(tiles->shared->threads, tiles->front.partition.domains, 1, finish_all, &w);
+}
+
 hk_status hk_tile_evaluate(hk_tiles *tiles, const hk_step_in_tile *step, double *power) {
   const hk_front *front = &tiles->front;
   size_t domains = front->partition.domains;
   double begin = begin_tile(tiles, front->rounds ? 2 * domains + front->round[front->rounds] : domains, step->sampled);
   take_by_domains(tiles, step);
+  if (tiles->state->model.riders) carry_over(tiles, step);
   for (size_t k = 0; k < tiles->sums; k++) *power += tiles->sum[k].power;
   return end_tile(tiles, 1, step->sampled, begin);
 }

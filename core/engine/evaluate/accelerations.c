@@ -62,10 +62,17 @@ hk_status hk_dynamics_set_time(hk_dynamics *d, double t) {
   return status == HK_OK && d->has_timed && t != d->timed_at ? set_timed(d, t) : status;
 }
 
+static void put_riders(const hk_dynamics *d, double *x, double *v) {
+  if (d->state->model.riders == 0) return;
+  hk_riders_follow(&d->state->model, x);
+  hk_riders_follow(&d->state->model, v);
+}
+
 hk_status hk_dynamics_impose(hk_dynamics *d, double t, double *x, double *v) {
   hk_status status = hk_dynamics_set_time(d, t);
   if (status == HK_OK && (d->pins->has_paths || d->pins->has_slides))
     hk_pins_impose(d->pins, 0, d->state->model.n, x, v);
+  if (status == HK_OK) put_riders(d, x, v);
   return status;
 }
 
@@ -147,6 +154,7 @@ static hk_status sum_forces(hk_dynamics *d, const hk_step_in_tile *w, const doub
   hk_status status = HK_OK;
   if (w->prepared) {
     hk_tiles_prepare(&d->tiles, w);
+    put_riders(d, w->x, w->v);
     status = sum_whole(d, w, dy, power);
   }
   for (size_t k = 0; d->split.takes_channels && k < d->state->start->channels && status == HK_OK; k++)
@@ -168,16 +176,16 @@ hk_status hk_evaluate_fused(hk_system *s, double t, double *x, double *v, const 
                             const hk_fused *fused) {
   hk_dynamics *d = dynamics_of(s);
   size_t tail = s->size - 6 * s->n - 1;
-  bool constrained = s->constraint && s->constraint->takes_constraints;
+  bool constrained = s->constraint && s->constraint->takes_constraints, carries = s->model->riders > 0;
   const hk_step_in_tile w = {.t = t,
                              .x = x,
                              .v = v,
                              .y = tail ? y : NULL,
                              .a = a,
                              .fused = fused,
-                             .prepared = has_whole(d),
+                             .prepared = has_whole(d) || carries,
                              .counts = counts_by_blocks(d),
-                             .unfinished = constrained,
+                             .unfinished = constrained || carries,
                              .sampled = is_sampled(d)};
   hk_status status = hk_dynamics_set_time(d, t);
   if (status != HK_OK) return status;
@@ -185,10 +193,11 @@ hk_status hk_evaluate_fused(hk_system *s, double t, double *x, double *v, const 
   dy[tail] = 0;
   status = sum_forces(d, &w, y, dy, dy + tail);
   d->count.evaluations++;
-  if (status != HK_OK || !constrained) return status;
-  status = d->constrain->accelerate(d, t, x, v, a, dy + tail);
-  if (status == HK_OK) hk_tiles_finish(&d->tiles, &w);
-  return status;
+  if (status == HK_OK && constrained) status = d->constrain->accelerate(d, t, x, v, a, dy + tail);
+  if (status != HK_OK || !w.unfinished) return status;
+  hk_riders_follow(s->model, a);
+  hk_tiles_finish(&d->tiles, &w);
+  return HK_OK;
 }
 
 void hk_evaluate_exchange(hk_system *s) {
@@ -213,7 +222,8 @@ static bool whole_has_rates(const hk_dynamics *d) {
 
 bool hk_evaluate_takes_several(const hk_dynamics *d) {
   const hk_system *s = &d->system;
-  if (d->constrain || s->contact || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
+  if (d->constrain || s->contact || s->model->riders || d->listens || d->demands || s->size > 6 * s->n + 1)
+    return false;
   if (d->queries.flags & HK_DEPENDS_ON_T || d->pins->has_slides) return false;
   if (has_whole(d)) return d->tiles.front.partition.blocks > 1 && !whole_has_rates(d);
   return d->tiles.order.depth >= DEPTH;

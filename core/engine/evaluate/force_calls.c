@@ -147,5 +147,6 @@ bool hk_forces_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, 
     f->bounds.stiffness_bound(force->self, &view, part, block);
     hk_leave(force, outer);
   }
+  hk_riders_gather_bounds(&d->state->model, block);
   return stated;
 }

@@ -93,7 +93,7 @@ bool hk_query_uncoupled(hk_system *s, const double *x, const double *v, size_t b
   hk_dynamics *d = (hk_dynamics *)(void *)s;
   own_blocks blocks = {.pattern.block = note_block, .begin = begin, .end = end};
   hk_error kept = *d->error;
-  bool fine = !d->constrain && end - begin <= MOST_ALONE;
+  bool fine = !d->constrain && d->state->model.riders == 0 && end - begin <= MOST_ALONE;
   memset(K, 0, (end - begin) * sizeof *K);
   memset(D, 0, (end - begin) * sizeof *D);
   if (F) memset(F + 3 * begin, 0, 3 * (end - begin) * sizeof *F);

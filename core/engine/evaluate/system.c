@@ -24,7 +24,11 @@ static hk_status energy(hk_system *s, double t, const double *X, double *kinetic
 
 static void impose(hk_system *s, double t, double *x, double *v) { hk_dynamics_impose(dynamics_of(s), t, x, v); }
 
-static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)->pins, vector); }
+static void filter(hk_system *s, double *vector) {
+  hk_pins_filter(dynamics_of(s)->pins, vector);
+  for (size_t k = 0; k < s->model->riders; k++)
+    memset(vector + 3 * (size_t)s->model->rider[k].particle, 0, 3 * sizeof *vector);
+}
 
 static void set_functions(hk_system *s) {
   s->accelerations = hk_evaluate_accelerations;
@@ -166,8 +170,9 @@ hk_status hk_dynamics_begin(hk_dynamics *d) {
 
 static hk_status remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   hk_pins_remap(d->pins, map);
+  hk_status status = hk_riders_remap(d->state, map, d->error);
   hk_dynamics_refresh(d);
-  hk_status status = hk_plugins_remap(d->plugins, map, n_old, &d->state->view, d->state->size, d->error);
+  if (status == HK_OK) status = hk_plugins_remap(d->plugins, map, n_old, &d->state->view, d->state->size, d->error);
   hk_dynamics_refresh(d); /* selections have changed as well */
   if (status == HK_OK) status = hk_elements_refresh(d);
   if (status == HK_OK) status = hk_evaluate_resize(d);

@@ -44,6 +44,9 @@ typedef struct hk_particles {
   uint32_t (*triangle)[3]; /* ids */
   size_t pins;
   hk_pin_spec *pin;
+  size_t riders, skins;
+  hk_rider *rider;    /* with ids in the place of indices */
+  hk_body_skin *skin; /* likewise */
 } hk_particles;
 
 /* Deaths preserve the order of the other particles and births, whose ids increase, are appended. The particles of the
@@ -65,6 +68,8 @@ typedef struct hk_state {
   size_t room; /* the arrays of particles are for up to so many */
   hk_channel *channel;
   uint32_t (*edge)[2], (*triangle)[3];
+  hk_rider *rider;
+  hk_body_skin *skin;
   hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
 } hk_state;
 
@@ -86,6 +91,15 @@ double hk_state_kinetic(const hk_state *, const double *X);
 bool hk_state_copy(const hk_state *, double **copy, size_t *room, size_t size);
 /* Refuses particles of mass 0 without a pin; to be called after hk_pins_open. */
 hk_status hk_state_check_masses(const hk_state *, hk_error *error);
+
+/* ---- riders.c ---- */
+
+hk_status hk_riders_open(hk_state *, hk_error *error); /* after hk_state_open, before the pins */
+void hk_riders_follow(const hk_model *, double *x);    /* n x 3: riders get the combinations of their carriers */
+void hk_riders_gather(const hk_model *, double *F);    /* n x 3: what acts on riders acts on their carriers */
+void hk_riders_gather_bounds(const hk_model *, double (*)[6]); /* n: the same of bounds of stiffness */
+/* After births and deaths. HK_FAILED: a rider has lost a carrier. */
+hk_status hk_riders_remap(hk_state *, const uint32_t *map, hk_error *error);
 
 /* ---- motion.c: the rigid motion of the particles of a pin ---- */
 

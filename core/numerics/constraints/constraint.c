@@ -124,6 +124,8 @@ hk_status hk_constraints_review(hk_dynamics *d) {
   hk_constraint_matrix_forget_masses(d); /* a heavy weight on a light chain is no dependence */
   status = find_implied(d);
   if (status != HK_OK) return status;
+  status = hk_rigid_groups_find(d);
+  if (status != HK_OK) return status;
   memcpy(c->rests, c->implied, c->equations * sizeof *c->rests);
   return hk_constraint_find_contacts(d, t, x, v);
 }

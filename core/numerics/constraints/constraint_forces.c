@@ -32,6 +32,7 @@ static hk_status free_acceleration(hk_dynamics *d, double *a, double *F) {
     if (!d->force_acts[k]) continue;
     if (!hk_query_force(d, k, d->state->X, n, F))
       return hk_error_set(d->error, HK_FAILED, "the force '%s' failed", d->plugins->kind[HK_FORCE].item[k]->label);
+    hk_riders_gather(&d->state->model, F);
     for (size_t e = 0; e < 3 * n; e++) a[e] += F[e] * d->state->inverse_mass[e / 3];
   }
   if (d->pins->has_slides) hk_pins_filter(d->pins, a);
@@ -148,6 +149,10 @@ hk_status hk_constraint_multipliers(hk_dynamics *d, double *lambda) {
 void hk_constraint_force_on(const hk_dynamics *d, size_t k, const double *lambda, size_t particle, double F[3]) {
   const hk_constraints *c = d->constraints;
   memset(F, 0, 3 * sizeof *F);
-  for (size_t b = c->block_first[k]; b < c->block_first[k + 1]; b++)
-    for (int e = 0; e < 3 && c->list.pair[b][1] == particle; e++) F[e] += lambda[c->list.pair[b][0]] * c->J[b][e];
+  const hk_rider_blocks *r = &c->riding; /* of a rider, what acts on it, of a carrier not what acts on its riders */
+  const size_t *first = r->given ? r->first : c->block_first;
+  uint32_t(*pair)[2] = r->given ? r->pair : c->list.pair;
+  double(*J)[3] = r->given ? r->J : c->J;
+  for (size_t b = first[k]; b < first[k + 1]; b++)
+    for (int e = 0; e < 3 && pair[b][1] == particle; e++) F[e] += lambda[pair[b][0]] * J[b][e];
 }

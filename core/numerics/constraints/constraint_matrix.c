@@ -174,6 +174,7 @@ void hk_constraint_matrix_move(const hk_constraints *c, double *vector) {
     double s = c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
     for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
   }
+  hk_riders_follow(c->model, vector);
 }
 
 hk_status hk_constraint_matrix_solve(hk_dynamics *d) {

@@ -11,6 +11,8 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->block_first);
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
+  hk_rider_blocks_free(&c->riding);
+  hk_rigid_groups_close(c);
   void *arrays[] = {c->J,        c->WJ,         c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,          c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
                     c->residual, c->moved,      c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
@@ -73,7 +75,8 @@ static hk_status name_blocks(hk_dynamics *d) {
     c->block_first[k + 1] = c->list.named;
   }
   c->blocks = c->list.named;
-  return c->list.no_memory ? no_memory(d) : HK_OK;
+  c->model = &d->state->model;
+  return c->list.no_memory || hk_rider_blocks_spread(d) != HK_OK ? no_memory(d) : HK_OK;
 }
 
 static hk_status allocate(hk_dynamics *d) {

@@ -27,15 +27,18 @@ hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, doub
 
 hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
   const hk_constraints *c = d->constraints;
+  const bool rides = c->riding.given > 0;
   hk_status status = HK_OK;
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
     const hk_instance *outer = hk_enter(instance);
-    status = instance->plugin->constraint->jacobian(instance->self, &view, J + c->block_first[k]);
+    status = instance->plugin->constraint->jacobian(instance->self, &view,
+                                                    rides ? c->riding.J + c->riding.first[k] : J + c->block_first[k]);
     hk_leave(instance, outer);
     status = hk_constraint_failed(d, instance, t, status);
   }
+  if (rides && status == HK_OK) hk_rider_blocks_carry(c, J);
   return status;
 }
 
@@ -118,14 +121,15 @@ const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_
 
 void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_t size) {
   const hk_constraints *c = d->constraints;
-  size_t number, named = 0, of = 0;
+  size_t number, named = 0, of = 0, blocks = c->riding.given ? c->riding.given : c->blocks;
+  uint32_t(*pair)[2] = c->riding.given ? c->riding.pair : c->list.pair;
   hk_constraint_of(d, equation, &number);
-  for (size_t b = 0; b < c->blocks; b++) of += c->list.pair[b][0] == equation;
+  for (size_t b = 0; b < blocks; b++) of += pair[b][0] == equation;
   size_t at = (size_t)snprintf(text, size, "equation %zu (particle%s", number, of == 1 ? "" : "s");
-  for (size_t b = 0; b < c->blocks && named < MOST_NAMES && at < size; b++) {
-    if (c->list.pair[b][0] != equation) continue;
+  for (size_t b = 0; b < blocks && named < MOST_NAMES && at < size; b++) {
+    if (pair[b][0] != equation) continue;
     const char *before = named == 0 ? " " : named + 1 == of ? " and " : ", ";
-    at += (size_t)snprintf(text + at, size - at, "%s%u", before, (unsigned)d->state->id[c->list.pair[b][1]]);
+    at += (size_t)snprintf(text + at, size - at, "%s%u", before, (unsigned)d->state->id[pair[b][1]]);
     named++;
   }
   if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");

@@ -21,6 +21,23 @@ typedef struct hk_releases {
   double until;            /* s, the end of the longest step of which `cuts` are counted */
 } hk_releases;
 
+/* Blocks of equations on riders (rider_blocks.c): term k adds weight J[given] to block `block` of J. */
+typedef struct hk_rider_term {
+  uint32_t given, block;
+  double weight;
+} hk_rider_term;
+
+typedef struct hk_rider_blocks {
+  size_t given;        /* blocks as plugins name them; 0: no equation names a rider, J is filled by them */
+  uint32_t (*pair)[2]; /* given: equation and particle */
+  size_t *first;       /* the first of each instance, and their number */
+  double (*J)[3];      /* given: dg/dx */
+  size_t terms;
+  hk_rider_term *term;
+} hk_rider_blocks;
+
+typedef struct hk_rigid_groups hk_rigid_groups;
+
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
   size_t equations, blocks, terms;
@@ -28,14 +45,17 @@ struct hk_constraints {
   size_t *block_first;      /* first block of each instance, and the number of blocks */
   hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
   double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
-  uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
-  hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
-                               2 term] and at the next slot, its mirror */
-  double *value;            /* values of A */
-  double *own;              /* equations: diagonal of J W J^T */
-  double *full;             /* equations: diagonal of S if all equations acted; 0 where no particle can move */
-  double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  hk_rider_blocks riding;
+  hk_rigid_groups *groups; /* all equations are of free rigid groups; NULL: they are solved together */
+  const hk_model *model;
+  uint32_t *pin, *place;  /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
+  hk_block_matrix matrix; /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];    /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
+                             2 term] and at the next slot, its mirror */
+  double *value;          /* values of A */
+  double *own;            /* equations: diagonal of J W J^T */
+  double *full;           /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;          /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
   double *g_start, *rate_start;   /* equations: g and dg/dt at the start of the step; of one-sided ones */
@@ -123,6 +143,21 @@ void hk_constraint_matrix_free(hk_constraints *);
 
 /* Whether that pin, UINT32_MAX: none, holds its particles to the end of the run, so that they join no equations. */
 bool hk_constraint_held(const hk_dynamics *, uint32_t pin);
+
+/* ---- rider_blocks.c ---- */
+
+/* Of the blocks that plugins have named, those of riders become those of their carriers. HK_NO_MEMORY. */
+hk_status hk_rider_blocks_spread(hk_dynamics *);
+void hk_rider_blocks_carry(const hk_constraints *, double (*J)[3]); /* J of the carriers from riding.J */
+void hk_rider_blocks_free(hk_rider_blocks *);
+
+/* ---- rigid_groups.c ---- */
+
+hk_status hk_rigid_groups_find(hk_dynamics *); /* at the state; HK_NO_MEMORY */
+void hk_rigid_groups_close(hk_constraints *);
+/* As hk_constraint_table.shake and .rattle, where there are groups; all of n x 3. False: one did not converge. */
+bool hk_rigid_groups_shake(hk_dynamics *, double *from, double h, double *x, double *v);
+hk_status hk_rigid_groups_rattle(hk_dynamics *, double *x, double h, double *v);
 
 /* ---- constraint_matrix.c ---- */
 

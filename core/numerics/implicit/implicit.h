@@ -26,6 +26,13 @@ hk_status hk_implicit_linear_system(hk_dynamics *, hk_linear_system **);
 /* Whether there are constraints, acting at present or not: a step has one solver. */
 bool hk_implicit_constrained(const hk_dynamics *);
 
+/* ---- rider_blocks.c ---- */
+
+/* Names the blocks of the carriers, for those of riders that are named; after a fill, moves what riders have to them.
+ */
+void hk_implicit_name_carriers(const hk_dynamics *, hk_implicit_matrix *);
+void hk_implicit_carry_over(const hk_dynamics *, hk_implicit_matrix *);
+
 /* ---- jacobian.c, implicit_matrix.c, product.c, saddle_point.c ---- */
 
 hk_status hk_saddle_point_open(hk_dynamics *); /* in a scene with constraints, whose method solves linear systems */

@@ -58,7 +58,7 @@ static void slide_block(double *A, const hk_pin_spec *row, const hk_pin_spec *co
 }
 
 static bool is_fixed(const hk_dynamics *d, size_t i) {
-  return d->state->pin[i] == HK_PIN_FIXED || d->state->pin[i] == HK_PIN_PATH;
+  return d->state->pin[i] == HK_PIN_FIXED || d->state->pin[i] == HK_PIN_PATH || d->state->pin[i] == HK_PIN_RIDES;
 }
 
 /* A := S A S + s (I - S) on a diagonal block. */

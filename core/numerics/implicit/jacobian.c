@@ -46,7 +46,9 @@ static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
                           force->label);
   }
   s->first_constraint = s->matrix.named;
-  return d->saddle ? hk_saddle_point_name(d, &s->matrix.naming) : HK_OK;
+  hk_status status = d->saddle ? hk_saddle_point_name(d, &s->matrix.naming) : HK_OK;
+  if (status == HK_OK) hk_implicit_name_carriers(d, s);
+  return status;
 }
 
 static void drop(hk_implicit_matrix *s) {
@@ -114,6 +116,7 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
     status = hk_force_of(force->plugin)->implicit.jacobian(force->self, &view, &into);
     status = hk_leave_with(force, outer, "jacobian", status);
   }
+  if (status == HK_OK) hk_implicit_carry_over(d, s);
   if (status != HK_OK || !d->saddle) return status;
   return hk_saddle_point_stiffness(d, t, X, X + 3 * n, s->matrix.slot + s->first_constraint, s->K);
 }

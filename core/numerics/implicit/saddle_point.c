@@ -349,6 +349,7 @@ hk_status hk_saddle_point_stiffness(hk_dynamics *d, double t, const double *x, c
     double by = difference * (extent > 0 ? extent : 1);
     for (size_t i = 0; i < n; i++)
       if (s->colour[i] == colour) s->x[3 * i + axis] += by;
+    hk_riders_follow(&d->state->model, s->x);
     status = hk_constraint_jacobian(d, t, s->x, v, s->J);
     if (status == HK_OK) add_difference(d, colour, (int)axis, by, slot, K);
     for (size_t i = 0; i < n; i++)

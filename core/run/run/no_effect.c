@@ -257,6 +257,17 @@ static void warn_without_images(hk_run *run) {
             "or add a force between particles that are near each other");
 }
 
+/* Correctors move particles by their masses, and know nothing of what holds them together. */
+static void warn_of_bodies(hk_run *run) {
+  for (size_t k = 0; k < run->plugins.kind[HK_CORRECTOR].count; k++) {
+    const hk_plugin_spec *spec = run->plugins.kind[HK_CORRECTOR].item[k]->spec;
+    hk_warn(&run->warnings,
+            "%s%s%s does not know rigid bodies: it moves their particles one by one, and takes their points for "
+            "immovable; let a force act on points of the bodies instead",
+            spec->where, before_text(spec), spec->label);
+  }
+}
+
 /* ---- */
 
 void hk_warn_of_no_effect(hk_run *run) {
@@ -270,4 +281,5 @@ void hk_warn_of_no_effect(hk_run *run) {
   warn_of_empty_pins(run);
   warn_of_loose(run);
   if (run->state.model.box) warn_without_images(run);
+  if (run->scene->distances.spec) warn_of_bodies(run);
 }

@@ -213,6 +213,7 @@ static hk_status open_particles(hk_run *run, hk_scene *scene) {
                         "the scene is empty: add particles (scene:particle, scene:grid, ...) or a source");
   hk_status status = hk_state_open(&run->state, &scene->particles, hk_scene_places(scene), &run->error);
   if (hk_box_repeats(&scene->box)) run->state.model.box = &scene->box;
+  if (status == HK_OK) status = hk_riders_open(&run->state, &run->error);
   if (status == HK_OK) status = hk_pins_open(&run->pins, &run->state, &run->error);
   if (status == HK_OK) status = hk_install_motions(&run->pins, scene->duration, &run->error);
   if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);

@@ -76,10 +76,22 @@ static void destroy_lists(hk_scene *scene) {
   }
 }
 
+static void free_bodies(hk_scene *scene) {
+  for (size_t k = 0; k < scene->particles.skins; k++) {
+    free((void *)(uintptr_t)scene->particles.skin[k].vertex);
+    free((void *)(uintptr_t)scene->particles.skin[k].triangle);
+  }
+  free(scene->particles.skin);
+  free(scene->particles.rider);
+  free((void *)(uintptr_t)scene->distances.pairs.index);
+  free((void *)(uintptr_t)scene->differences.pairs.index);
+}
+
 void hk_scene_destroy(hk_scene *scene) {
   if (!scene) return;
   hk_scene_spend(scene);
   destroy_lists(scene);
+  free_bodies(scene);
   for (int kind = 0; kind < HK_KINDS; kind++) destroy_specs(&scene->plugin[kind]);
   free(scene->particles.group_name);
   free(scene->strands.item);
@@ -316,21 +328,6 @@ hk_status hk_scene_add_triangles(hk_scene *scene, size_t count, const uint32_t (
     return no_memory(error, "the triangles");
   memcpy(scene->particles.triangle + scene->particles.triangles, triangle, count * sizeof *triangle);
   scene->particles.triangles += count;
-  return HK_OK;
-}
-
-hk_status hk_scene_add_measure(hk_scene *scene, const char *name, const char *where, const hk_function *value,
-                               hk_error *error) {
-  for (size_t k = 0; k < scene->measures; k++)
-    if (strcmp(scene->measure[k].name, name) == 0)
-      return hk_error_set(error, HK_BAD_PARAM, "there is already a measure '%s'", name);
-  hk_measure measure = {hk_string_copy(name), hk_string_copy(where ? where : ""), *value};
-  if (!measure.name || !measure.where || resize(&scene->measure, scene->measures + 1, sizeof measure) != HK_OK) {
-    free(measure.name);
-    free(measure.where);
-    return no_memory(error, "the measure");
-  }
-  scene->measure[scene->measures++] = measure;
   return HK_OK;
 }
 

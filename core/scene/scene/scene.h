@@ -34,6 +34,12 @@ typedef struct hk_scene_places_list {
   hk_scene_place *item; /* by rising `first`; no two in succession are alike */
 } hk_scene_places_list;
 
+/* Pairs that a constraint of the scene keeps, which comes with the first of them. */
+typedef struct hk_kept_pairs {
+  hk_tuples pairs;      /* id - 1 */
+  hk_plugin_spec *spec; /* NULL: there is none yet */
+} hk_kept_pairs;
+
 typedef struct hk_scene {
   char *name;           /* the script's file name without folder and ".lua" */
   char *script;         /* its path as given */
@@ -49,9 +55,10 @@ typedef struct hk_scene {
   hk_particles particles;
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
-  hk_periodic_box box;       /* repeats along no axis: space is open */
-  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
-  bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
+  hk_periodic_box box;                  /* repeats along no axis: space is open */
+  hk_kept_pairs distances, differences; /* of rigid bodies and joints */
+  hk_specs plugin[HK_KINDS];            /* at most one integrator and one solver; without one the default is used */
+  bool integrator_auto;                 /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
@@ -93,8 +100,6 @@ hk_status hk_scene_add_edges(hk_scene *, size_t count, const uint32_t (*edge)[2]
 hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*triangle)[3], hk_error *error);
 /* A strand: the `count` particles added last, from first_id on, with the half axes of its section, m. */
 hk_status hk_scene_add_strand(hk_scene *, uint32_t first_id, size_t count, const double half_axis[2], hk_error *error);
-hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
-                               hk_error *error);
 
 /* Adds a plugin by kind and name or path; an integrator or solver replaces the scene's. `label` NULL: the name,
  * followed by "#2" etc. when it is in use. The caller then sets the parameters of the spec and calls hk_spec_check;
@@ -113,6 +118,24 @@ const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const c
 /* HK_BAD_PARAM: a length that is not positive, or no axis among "x", "xy", ... */
 hk_status hk_scene_set_box(hk_scene *, const double low[3], const double high[3], const char *axes, hk_error *error);
 bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
+
+/* ---- measure.c ---- */
+
+hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
+                               hk_error *error);
+
+/* ---- bodies.c: what rigid bodies have beside particles ---- */
+
+/* Holds `count` pairs of ids at their distances at the start, by a constraint that keeps distances (HK_DISTANCES): the
+ * scene has one for all bodies, which comes with the first. */
+hk_status hk_scene_add_distances(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
+/* The same of their differences, in one place (HK_DIFFERENCES): joints. */
+hk_status hk_scene_add_differences(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
+/* Makes the particle a rider, of ids, and puts it where it belongs. HK_BAD_PARAM: it has a mass, it or a carrier is
+ * unknown or a rider, or the weights do not have the sum 1. */
+hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);
+/* A surface for pictures, of ids; its lists are copied. */
+hk_status hk_scene_add_skin(hk_scene *, const hk_body_skin *, hk_error *error);
 
 /* ---- place.c: lines of the script, for messages ---- */
 

@@ -4,6 +4,7 @@
 
 #include "plugins/common/camera/follow.h"
 #include "plugins/common/frame_data/obstacle_solids.h"
+#include "plugins/common/frame_data/skin_solids.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/snapshot/particle_colour.h"
 
@@ -22,7 +23,7 @@ static bool has_to_wait(const hk_film *f) {
 }
 
 static hk_status make_solids(hk_film *f) {
-  size_t count = f->solids + (f->obstacles ? f->obstacles->count : 0) + (f->liquid != NULL);
+  size_t count = f->solids + (f->obstacles ? f->obstacles->count : 0) + f->skins + (f->liquid != NULL);
   if (count == 0) return HK_OK;
   f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
   if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
@@ -186,7 +187,9 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
-  if (f->liquid) f->snapshot.solid[f->snapshot.solids - 1] = *f->liquid;
+  size_t liquid = f->snapshot.solids - (f->liquid != NULL);
+  if (f->liquid) f->snapshot.solid[liquid] = *f->liquid;
+  if (f->skins) hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + liquid - f->skins, f->skins);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)

@@ -29,6 +29,7 @@ typedef struct hk_film {
    * whole motion then, since meshes are not stored. */
   hk_frame_solid *liquid;
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
+  size_t skins;                     /* surfaces of rigid bodies, drawn likewise */
   hk_appearance appearance;
   hk_framing framing;  /* with the viewports of the pictures */
   hk_camera_place own; /* of the scene's own camera, in the scene's coordinates, z up; may change before each picture */
@@ -37,7 +38,7 @@ typedef struct hk_film {
 
   const hk_host *host;
   bool waiting;           /* frames are drawn at the end */
-  hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles */
+  hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles, then the bodies' */
   hk_frame_spool spool;
   hk_contact_sheet sheet;
   hk_gl_context *gl;

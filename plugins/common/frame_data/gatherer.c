@@ -5,6 +5,7 @@
 #include "plugins/common/frame_data/cells.h"
 #include "plugins/common/frame_data/obstacle_solids.h"
 #include "plugins/common/frame_data/room.h"
+#include "plugins/common/frame_data/skin_solids.h"
 #include "plugins/common/frame_data/strain.h"
 
 #include <stdio.h>
@@ -27,7 +28,7 @@ static bool begin(hk_gatherer *s, const hk_view *view, const hk_frame *frame, bo
   const hk_model *m = view->model;
   hk_frame_data *data = &s->data;
   size_t channels = m->channels, count = channels + (forces ? frame->forces : 0);
-  data->solids = s->obstacles->shown->count;
+  data->solids = s->obstacles->shown->count + m->skins;
   data->array = calloc(count + 1, sizeof *data->array);
   data->solid = calloc(data->solids + 1, sizeof *data->solid);
   if (!data->array || !data->solid) return false;
@@ -131,7 +132,9 @@ static hk_status take(hk_gatherer *s, const hk_view *view) {
   s->dirty = false;
   hk_gatherer_strain(s, view);
   gather_channels(s, view);
+  size_t obstacles = s->obstacles->shown->count;
   hk_obstacle_solids(s->obstacles->shown, false, s->data.solid);
+  hk_skin_solids(view, false, s->data.solid + obstacles, s->data.solids - obstacles);
   return HK_OK;
 }
 

@@ -98,13 +98,14 @@ static size_t all_lines(const hk_model *m) {
   return count;
 }
 
-enum { IN_TRIANGLE = 1, JOINED = 2 }; /* hk_snapshot3d.role */
+enum { IN_TRIANGLE = 1, JOINED = 2, IN_BODY = 4 }; /* hk_snapshot3d.role */
 
 /* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
 static void add_pairs(hk_snapshot3d *s, const hk_tuples *pairs, bool all) {
   for (size_t e = 0; e < pairs->count; e++) {
     const uint32_t *pair = hk_tuple(pairs, e);
     if (!all && s->role[pair[0]] == IN_TRIANGLE && s->role[pair[1]] == IN_TRIANGLE) continue;
+    if (s->role[pair[0]] == IN_BODY && s->role[pair[1]] == IN_BODY) continue;
     memcpy(s->line[s->lines++], pair, sizeof s->line[0]);
   }
 }
@@ -162,6 +163,12 @@ static void take_triangles(hk_snapshot3d *s, const hk_model *m, bool bodies) {
   }
 }
 
+/* The particles of a rigid body whose surface is drawn, and the distances between them. */
+static void hide_bodies(hk_snapshot3d *s, const hk_model *m) {
+  for (size_t k = 0; k < m->skins; k++)
+    for (uint32_t c = 0; c < m->skin[k].carriers; c++) s->role[m->skin[k].carrier[c]] = IN_BODY;
+}
+
 /* Copies the topology. During the call `role` says which particles belong to a triangle or a line. */
 static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   const hk_appearance *appearance = s->appearance;
@@ -170,13 +177,15 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   memset(s->role, 0, m->n * sizeof *s->role);
   for (size_t k = 0; k < 3 * s->triangles; k++) s->role[m->triangles.index[k]] = IN_TRIANGLE;
   mark_bodies(s, m);
+  hide_bodies(s, m);
   s->triangles = 0;
   take_triangles(s, m, false);
   s->cloth = s->triangles;
   take_triangles(s, m, true);
   for (size_t i = 0; i < m->n; i++) {
     if (s->mark[i] & HK_MARK_BODY) continue;
-    bool point = appearance->particles == 1 || (appearance->particles == 0 && s->role[i] == 0);
+    bool rides = m->pin[i] == HK_PIN_RIDES;
+    bool point = appearance->particles == 1 || (appearance->particles == 0 && s->role[i] == 0 && !rides);
     bool pin = appearance->particles != 2 && is_held(m, i);
     s->mark[i] = (uint8_t)((point ? HK_MARK_POINT : 0) | (pin ? HK_MARK_PIN : 0));
   }

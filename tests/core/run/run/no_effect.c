@@ -122,6 +122,9 @@ static void what_is_guessed_is_said(void **state) {
              "scene:force('springs', { edges = s:edges(), k = 1 })\n",
        "scene.lua:2: strand: the section has a radius and no density, so that the mass is 1 kg"},
       {SCENE "scene:channel('vx')\nscene:particle {}\n", "scene.lua:2: channel 'vx': tables of states have a column"},
+      {SCENE "scene:rigid { shape = 'sphere', radius = 1, mass = 1 }\nscene:corrector('strain_limit', { edges = {{1, "
+             "2}}, limit = 9 })\n",
+       "scene.lua:3: strain_limit does not know rigid bodies: it moves their particles one by one"},
       {GRID "scene:pin(g)\nscene:force('rods', { edges = g:edges(), EI = 1 })\n",
        "scene.lua:4: rods: edges: 6 of them have no effect, such as number 7, from particle 1 to 4: nothing"},
   };
@@ -146,6 +149,8 @@ static void what_acts_is_no_warning(void **state) {
       GRID "scene:pin(g)\nscene:force('hinges', { material = 'cotton', damping = 1e-9 })\n",
       SCENE "scene:source('emitter', { rate_of_time = function(t) return 1 end })\n",
       CHAIN "scene:force('rods', { edges = s:edges(), EI = 1e-3 })\n",
+      SCENE "local b = scene:rigid { shape = 'sphere', radius = 1, mass = 1 }\nlocal p = b:point { 0, 0, 1 }\n"
+            "scene:joint { kind = 'ball', a = b, at = { 0, 0, -1 } }\nscene:force('gravity')\n",
   };
   for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
     run(scenes[k]);

@@ -1,0 +1,246 @@
+/* scene:rigid{ shape = "sphere" | "box" | "capsule" | "cylinder" }, { mesh = "file.obj" }, { points =, masses = }, {
+ * parts = } or { mass =, inertia = }: a rigid body as two to four particles with its mass, centre and moments
+ * (scene/rigid), held at their distances by a constraint. `position` is the place of the origin of its frame,
+ * `velocity` that of its centre of mass, `spin` in rad/s along the axes of the scene.
+ *
+ * Its handle: body:spin(state), :attitude(state) and the like are of the state that a measure or on_frame gets, or of
+ * run:state(); body:point{x, y, z} makes a rider before the run. */
+#include "core/app/builders/rigid_bodies.h"
+
+#include <string.h>
+
+static const char rigid_type[] = "hooke.rigid";
+static const double farthest = 1e6; /* weight of a particle in a point of the body */
+
+hk_lua_rigid *hk_rigid_push(lua_State *L, int scene, const hk_lua_rigid *from) {
+  scene = lua_absindex(L, scene);
+  hk_lua_rigid *r = lua_newuserdatauv(L, sizeof *r, 1);
+  *r = *from;
+  lua_pushvalue(L, scene);
+  lua_setiuservalue(L, -2, 1);
+  luaL_setmetatable(L, rigid_type);
+  return r;
+}
+
+hk_lua_rigid *hk_rigid_to(lua_State *L, int index) { return luaL_testudata(L, index, rigid_type); }
+
+static hk_lua_rigid *self(lua_State *L) { return hk_lua_self(L, rigid_type, "body:spin(state)"); }
+
+static void push_numbers(lua_State *L, const double *list, int count) {
+  lua_createtable(L, count, 0);
+  for (int k = 0; k < count; k++) {
+    lua_pushnumber(L, list[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
+}
+
+/* ---- of a state ---- */
+
+static hk_rigid_motion motion(lua_State *L, const hk_lua_rigid *r, const char *form) {
+  double x[12], v[12];
+  hk_run *run = hk_lua_state_run(L, 2);
+  if (!run) hk_lua_fail(L, HK_BAD_PARAM, "expected a state, as in %s, got %s", form, hk_lua_kind(L, 2));
+  for (uint32_t k = 0; k < r->body.count; k++) {
+    uint32_t i = 0;
+    if (!hk_run_index(run, r->first + k, &i))
+      hk_lua_fail(L, HK_BAD_PARAM, "particle %d of the rigid body is no more", (int)(r->first + k));
+    memcpy(x + 3 * k, hk_run_view(run)->x + 3 * (size_t)i, 3 * sizeof *x);
+    memcpy(v + 3 * k, hk_run_view(run)->v + 3 * (size_t)i, 3 * sizeof *v);
+  }
+  return hk_rigid_motion_of(&r->body, x, v);
+}
+
+static int push_vector(lua_State *L, const double vector[3]) {
+  push_numbers(L, vector, 3);
+  return 1;
+}
+
+static int position(lua_State *L) { return push_vector(L, motion(L, self(L), "body:position(state)").center); }
+static int velocity(lua_State *L) { return push_vector(L, motion(L, self(L), "body:velocity(state)").velocity); }
+static int spin(lua_State *L) { return push_vector(L, motion(L, self(L), "body:spin(state)").spin); }
+static int momentum(lua_State *L) { return push_vector(L, motion(L, self(L), "body:momentum(state)").momentum); }
+
+static int energy(lua_State *L) {
+  lua_pushnumber(L, motion(L, self(L), "body:energy(state)").energy);
+  return 1;
+}
+
+/* About the centre of mass, or about a place that is given. */
+static int angular_momentum(lua_State *L) {
+  hk_rigid_motion m = motion(L, self(L), "body:angular_momentum(state)");
+  double about[3];
+  if (lua_isnoneornil(L, 3)) return push_vector(L, m.angular_momentum);
+  hk_lua_vector(L, 3, "body:angular_momentum(state, {x, y, z})", about);
+  for (int c = 0, d = 1, e = 2; c < 3; c++, d = (d + 1) % 3, e = (e + 1) % 3)
+    m.angular_momentum[c] += (m.center[d] - about[d]) * m.momentum[e] - (m.center[e] - about[e]) * m.momentum[d];
+  return push_vector(L, m.angular_momentum);
+}
+
+/* The quaternion {w, x, y, z}, and the matrix by rows. */
+static int attitude(lua_State *L) {
+  hk_rigid_motion m = motion(L, self(L), "body:attitude(state)");
+  double q[4];
+  hk_quaternion_of(m.attitude, q);
+  push_numbers(L, q, 4);
+  lua_createtable(L, 3, 0);
+  for (int r = 0; r < 3; r++) {
+    push_numbers(L, m.attitude + 3 * r, 3);
+    lua_rawseti(L, -2, r + 1);
+  }
+  return 2;
+}
+
+/* ---- of the body ---- */
+
+static int ids(lua_State *L) {
+  const hk_lua_rigid *r = self(L);
+  lua_createtable(L, (int)r->body.count, 0);
+  for (uint32_t k = 0; k < r->body.count; k++) {
+    lua_pushinteger(L, r->first + k);
+    lua_rawseti(L, -2, k + 1);
+  }
+  return 1;
+}
+
+uint32_t hk_rigid_add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3]) {
+  hk_rider rider = {.carriers = (uint32_t)r->body.count};
+  hk_error error = {0};
+  const double nowhere[3] = {0};
+  double off = hk_rigid_body_weights(&r->body, y, rider.weight);
+  if (off > 1e-9 * r->body.a[0])
+    hk_lua_fail(L, HK_BAD_PARAM,
+                "point: {%g, %g, %g} lies %.4g m off the %s that the body is, which has no points there: give it an "
+                "extent across",
+                y[0], y[1], y[2], off, r->body.dimensions == 2 ? "plane" : "line");
+  for (uint32_t k = 0; k < rider.carriers; k++)
+    if (!(fabs(rider.weight[k]) < farthest))
+      hk_lua_fail(
+          L, HK_BAD_PARAM,
+          "point: {%g, %g, %g} lies a million times as far off as the body reaches, %.3g m: no digits would be left",
+          y[0], y[1], y[2], r->body.a[0]);
+  for (uint32_t k = 0; k < rider.carriers; k++) rider.carrier[k] = r->first + k;
+  hk_limits_take(L, sizeof rider);
+  rider.particle = hk_lua_add(L, scene, "point", 1, nowhere, NULL, NULL, 0, scene->particles.group[r->first - 1]);
+  if (hk_scene_add_rider(scene, &rider, &error) != HK_OK) hk_lua_raise_for(L, "point", &error);
+  return rider.particle;
+}
+
+static int point(lua_State *L) {
+  const hk_lua_rigid *r = self(L);
+  double y[3];
+  hk_lua_vector(L, 2, "body:point{x, y, z}", y);
+  lua_getiuservalue(L, 1, 1);
+  hk_scene *scene = hk_lua_scene(L, -1);
+  if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "point: the scene runs and can no longer be edited");
+  lua_pushinteger(L, hk_rigid_add_point(L, scene, r, y));
+  return 1;
+}
+
+static const luaL_Reg methods[] = {
+    {"ids", ids},           {"point", point}, {"position", position}, {"velocity", velocity},
+    {"attitude", attitude}, {"spin", spin},   {"momentum", momentum}, {"angular_momentum", angular_momentum},
+    {"energy", energy},     {NULL, NULL}};
+
+/* mass, center, inertia and axes, the principal ones as rows; and the methods. */
+static int member(lua_State *L) {
+  const hk_lua_rigid *r = hk_rigid_to(L, 1);
+  const char *name = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
+  for (const luaL_Reg *m = methods; m->name; m++)
+    if (strcmp(m->name, name) == 0) {
+      lua_pushcfunction(L, m->func);
+      return 1;
+    }
+  if (strcmp(name, "mass") == 0)
+    lua_pushnumber(L, r->body.mass);
+  else if (strcmp(name, "center") == 0)
+    push_numbers(L, r->body.center, 3);
+  else if (strcmp(name, "inertia") == 0) {
+    double I[3];
+    for (int k = 0; k < 3; k++) I[k] = hk_rigid_body_inertia(&r->body, k);
+    push_numbers(L, I, 3);
+  } else if (strcmp(name, "axes") == 0) {
+    lua_createtable(L, 3, 0);
+    for (int k = 0; k < 3; k++) {
+      push_numbers(L, (const double[3]){r->body.axes[k], r->body.axes[3 + k], r->body.axes[6 + k]}, 3);
+      lua_rawseti(L, -2, k + 1);
+    }
+  } else
+    return hk_lua_no_member(L, "a rigid body", hk_lua_method_name, methods,
+                            "it has mass, center, inertia and axes, and functions of a state: body:spin(state)");
+  return 1;
+}
+
+void hk_lua_open_rigid(lua_State *L) {
+  luaL_newmetatable(L, rigid_type);
+  lua_pushcfunction(L, member);
+  lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
+  lua_pop(L, 1);
+}
+
+/* ---- the builder ---- */
+
+static void check_moments(lua_State *L, const hk_moments *m, hk_rigid_body *b) {
+  const char *wrong = hk_rigid_body_of(m, b);
+  if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "rigid: %s", wrong);
+}
+
+static void add_particles(lua_State *L, hk_scene *scene, hk_lua_rigid *r) {
+  double position[3] = {0}, velocity[3] = {0}, spin[3] = {0}, R[9], x[12], v[12];
+  hk_error error = {0};
+  uint32_t pair[6][2];
+  size_t pairs = 0;
+  hk_lua_field_vector(L, 2, "rigid", "position", position);
+  hk_lua_field_vector(L, 2, "rigid", "velocity", velocity);
+  hk_lua_field_vector(L, 2, "rigid", "spin", spin);
+  hk_rigid_read_orientation(L, 2, R);
+  hk_rigid_body_place(&r->body, position, R, velocity, spin, x, v);
+  r->first = hk_lua_add(L, scene, "rigid", r->body.count, x, v, NULL, r->body.mass / (double)r->body.count,
+                        hk_lua_group(L, scene, 2, "rigid"));
+  for (uint32_t i = 0; i < r->body.count; i++)
+    for (uint32_t j = i + 1; j < r->body.count; j++, pairs++)
+      pair[pairs][0] = r->first + i, pair[pairs][1] = r->first + j;
+  hk_limits_take(L, 4 * pairs * sizeof *pair);
+  const char *where = hk_lua_where(L);
+  if (hk_scene_add_distances(scene, where, pairs, (const uint32_t(*)[2])pair, &error) != HK_OK)
+    hk_lua_raise_for(L, "rigid", &error);
+  lua_pop(L, 1);
+}
+
+/* The weights of the frame's origin, and of its axes. A flat body has none across it, a rod one axis only. */
+static void add_skin(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const hk_mesh *m) {
+  hk_error error = {0};
+  hk_body_skin skin = {.carriers = (uint32_t)r->body.count, .vertices = m->vertices, .triangles = m->triangles};
+  if (m->triangles == 0 || r->body.dimensions < 3) return;
+  hk_rigid_body_weights(&r->body, (const double[3]){0}, skin.origin);
+  for (int k = 0; k < 3; k++) {
+    double unit[3] = {k == 0, k == 1, k == 2};
+    hk_rigid_body_weights(&r->body, unit, skin.axis[k]);
+    for (int c = 0; c < HK_CARRIERS; c++) skin.axis[k][c] -= skin.origin[c];
+  }
+  for (uint32_t c = 0; c < skin.carriers; c++) skin.carrier[c] = r->first + c;
+  skin.vertex = m->vertex;
+  skin.triangle = (const uint32_t(*)[3])m->triangle;
+  hk_limits_take(L, m->vertices * 3 * sizeof(double) + m->triangles * sizeof *m->triangle + sizeof skin);
+  if (hk_scene_add_skin(scene, &skin, &error) != HK_OK) hk_lua_raise_for(L, "rigid", &error);
+}
+
+int hk_build_rigid(lua_State *L) {
+  static const char *const keys[] = {"shape",    "radius",      "length",   "size", "mesh",    "scale",
+                                     "points",   "masses",      "parts",    "mass", "density", "inertia",
+                                     "position", "orientation", "velocity", "spin", "group",   NULL};
+  hk_scene *scene = hk_lua_scene(L, 1);
+  hk_lua_rigid r = {0};
+  hk_lua_check_table(L, 2, "rigid", "scene:rigid { ... }");
+  lua_settop(L, 2);
+  hk_lua_check_keys(L, 2, "rigid", keys);
+  hk_mesh *skin = hk_mesh_new(L);
+  hk_moments moments = hk_rigid_read(L, skin);
+  check_moments(L, &moments, &r.body);
+  add_particles(L, scene, &r);
+  add_skin(L, scene, &r, skin);
+  hk_mesh_clear(skin);
+  hk_rigid_push(L, 1, &r);
+  return 1;
+}

@@ -1,0 +1,110 @@
+/* Riders: points that are fixed linear combinations of particles (hk_rider). With all riders r = T x of the others, the
+ * forces F_r on them are T^T F_r on their carriers, so that power and energy are those of the points; a matrix of
+ * second derivatives goes over as T^T K T, and a bound of it by blocks as follows: for one rider, with s = sum |w_k|,
+ *     (sum w_k u_k) . B (sum w_k u_k) <= s sum |w_k| u_k . B u_k
+ * by Cauchy's inequality. Accelerations of riders are those combinations, too: whatever method adds them up leaves the
+ * riders where they belong, up to rounding, which imposing them removes. All loops run in the order of the riders, in
+ * one thread: results do not depend on the number of threads. */
+#include "core/engine/state/state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static uint32_t index_of(const hk_state *s, uint32_t id) { return s->by_id ? s->by_id[id - 1] : id - 1; }
+
+static int by_particle(const void *a, const void *b) {
+  const hk_rider *p = a, *q = b;
+  return (p->particle > q->particle) - (p->particle < q->particle);
+}
+
+hk_status hk_riders_open(hk_state *s, hk_error *error) {
+  const hk_particles *p = s->start;
+  if (p->riders + p->skins == 0) return HK_OK;
+  s->rider = malloc((p->riders + 1) * sizeof *s->rider);
+  s->skin = malloc((p->skins + 1) * sizeof *s->skin);
+  if (!s->rider || !s->skin) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu riders", p->riders);
+  for (size_t k = 0; k < p->riders; k++) {
+    hk_rider *r = &s->rider[k];
+    *r = p->rider[k];
+    r->particle = index_of(s, r->particle);
+    for (uint32_t c = 0; c < r->carriers; c++) r->carrier[c] = index_of(s, r->carrier[c]);
+    s->pin[r->particle] = HK_PIN_RIDES;
+  }
+  qsort(s->rider, p->riders, sizeof *s->rider, by_particle);
+  for (size_t k = 0; k < p->skins; k++) {
+    s->skin[k] = p->skin[k];
+    for (uint32_t c = 0; c < s->skin[k].carriers; c++) s->skin[k].carrier[c] = index_of(s, s->skin[k].carrier[c]);
+  }
+  s->model.riders = p->riders;
+  s->model.skins = p->skins;
+  hk_state_refresh(s);
+  return HK_OK;
+}
+
+/* x of each rider becomes the combination of its carriers'. */
+void hk_riders_follow(const hk_model *m, double *x) {
+  for (size_t k = 0; k < m->riders; k++) {
+    const hk_rider *r = &m->rider[k];
+    double sum[3] = {0, 0, 0};
+    for (uint32_t c = 0; c < r->carriers; c++) {
+      const double *at = x + 3 * (size_t)r->carrier[c];
+      for (int e = 0; e < 3; e++) sum[e] += r->weight[c] * at[e];
+    }
+    memcpy(x + 3 * (size_t)r->particle, sum, sizeof sum);
+  }
+}
+
+void hk_riders_gather(const hk_model *m, double *F) {
+  for (size_t k = 0; k < m->riders; k++) {
+    const hk_rider *r = &m->rider[k];
+    double *own = F + 3 * (size_t)r->particle;
+    for (uint32_t c = 0; c < r->carriers; c++) {
+      double *at = F + 3 * (size_t)r->carrier[c];
+      for (int e = 0; e < 3; e++) at[e] += r->weight[c] * own[e];
+    }
+    own[0] = own[1] = own[2] = 0;
+  }
+}
+
+void hk_riders_gather_bounds(const hk_model *m, double (*block)[6]) {
+  for (size_t k = 0; k < m->riders; k++) {
+    const hk_rider *r = &m->rider[k];
+    double *own = block[r->particle], all = 0;
+    for (uint32_t c = 0; c < r->carriers; c++) all += fabs(r->weight[c]);
+    for (uint32_t c = 0; c < r->carriers; c++)
+      for (int e = 0; e < 6; e++) block[r->carrier[c]][e] += all * fabs(r->weight[c]) * own[e];
+    memset(own, 0, 6 * sizeof *own);
+  }
+}
+
+static bool has_lost(const uint32_t *map, uint32_t carriers, uint32_t *carrier) {
+  bool lost = false;
+  for (uint32_t c = 0; c < carriers; c++) {
+    carrier[c] = map[carrier[c]];
+    lost |= carrier[c] == UINT32_MAX;
+  }
+  return lost;
+}
+
+hk_status hk_riders_remap(hk_state *s, const uint32_t *map, hk_error *error) {
+  size_t kept = 0;
+  for (size_t k = 0; k < s->model.riders; k++) {
+    hk_rider r = s->rider[k];
+    r.particle = map[r.particle];
+    if (r.particle == UINT32_MAX) continue;
+    if (has_lost(map, r.carriers, r.carrier))
+      return hk_error_set(error, HK_FAILED,
+                          "particle %u is a point of a rigid body of which a source has removed a part: remove all of "
+                          "the body, or nothing",
+                          s->id[r.particle]);
+    s->rider[kept++] = r;
+  }
+  s->model.riders = kept;
+  kept = 0;
+  for (size_t k = 0; k < s->model.skins; k++) {
+    hk_body_skin skin = s->skin[k];
+    if (!has_lost(map, skin.carriers, skin.carrier)) s->skin[kept++] = skin;
+  }
+  s->model.skins = kept;
+  return HK_OK;
+}
