@@ -1,7 +1,8 @@
 /* scene:implicit{ f = function(x, y, z) | blobs = | union = | intersection = | difference =, size = }: the surface of a
  * formula as a mesh of triangles or, as = "solid", what it holds as tetrahedra. The service "isosurface/1" makes the
  * mesh; it is opened for this call alone, on one thread, since a script's functions are called from one. */
-#include "core/app/builders/implicit_shape.h"
+#include "core/app/builders/mesh_handle.h"
+#include "core/app/shapes/shapes.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Reads shapes such as { union = { { blobs = ... }, { f = ..., level = ... } }, blend = 0.1 }. The functions lie on
  * Lua's stack, where they are called from; an error in one is kept, and ends the search for a surface by its NAN. */
-#include "core/app/builders/implicit_shape.h"
+#include "core/app/shapes/shapes.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The mass of a rigid body from a script: a shape with its sizes, a closed mesh, points with masses, parts of these, or
  * mass and moments of inertia alone. Round shapes are exact, whatever the facets of their pictures. */
-#include "core/app/builders/rigid_bodies.h"
+#include "core/app/shapes/shapes.h"
 #include "core/engine/text/text.h"
 
 #include <stdio.h>
