@@ -4,6 +4,7 @@
  * than the best of CHOLMOD's. The last column is the rate that dgemm of that BLAS has at 512 x 512.
  * usage: cholmod [SIDE ...] */
 #define _GNU_SOURCE /* dlsym */
+#include "plugins/common/linear/blas.h"
 #include "plugins/common/linear/blas_name.h"
 #include "tests/bench/cloth_matrix.h"
 #include "tests/support/solver_matrix.h"
@@ -21,7 +22,6 @@ static const struct {
   int ordering;
 } orders[ORDERS] = {{"AMD", CHOLMOD_AMD}, {"METIS", CHOLMOD_METIS}, {"NESDIS", CHOLMOD_NESDIS}};
 
-extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
 typedef void gemm(const char *, const char *, const int *, const int *, const int *, const double *, const double *,
                   const int *, const double *, const int *, const double *, double *, const int *);
 
@@ -178,7 +178,7 @@ static void name_blas(void) {
 
 int main(int count, char **arguments) {
   static const uint32_t sides[] = {64, 128, 192, 256};
-  if (openblas_set_num_threads) openblas_set_num_threads(1);
+  hk_blas_threads(1);
   name_blas();
   for (int k = 1; k < count; k++) compare((uint32_t)strtoul(arguments[k], NULL, 10));
   for (size_t k = 0; k < sizeof sides / sizeof *sides && count < 2; k++) compare(sides[k]);
