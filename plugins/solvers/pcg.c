@@ -5,7 +5,7 @@
  * fixed particle, whose rows have diagonal entries only. The preconditioners preserve this property: both are built
  * from the same blocks.
  *
- * The iteration is that of plugins/common/linear/conjugate_gradients. Invariant: between calls `upper` and the
+ * The iteration is that of plugins/common/gradients/conjugate_gradients. Invariant: between calls `upper` and the
  * preconditioner have the pattern of the last analysis, and `ready` says that they have its numbers. Hestenes and
  * Stiefel 1952, J. Res. NBS 49; Baraff and Witkin 1998, Large steps in cloth simulation.
  *
@@ -14,7 +14,7 @@
  * N/m, 24 steps of bdf2: 0.64 and 2.65 s (hooke run scripts/scenes/stiff_cloth.lua --threads 1 --solver NAME).
  */
 #include "core/plugin.h"
-#include "plugins/common/linear/conjugate_gradients.h"
+#include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 
 enum { BLOCK_JACOBI, INCOMPLETE_CHOLESKY };

@@ -1,7 +1,7 @@
 /* See conjugate_gradients.h. The residual is the recursive one; when it has reached the tolerance, b - A x is computed,
  * and the iteration restarts from x if that is larger. Vectors are divided into chunks and partial sums are added in
  * their order, so results are bitwise equal for any number of threads. */
-#include "plugins/common/linear/conjugate_gradients.h"
+#include "plugins/common/gradients/conjugate_gradients.h"
 
 #include <math.h>
 #include <string.h>
