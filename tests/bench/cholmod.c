@@ -134,7 +134,7 @@ static void compare(uint32_t side) {
   cholmod_sparse *U = upper(&c.A, &common);
   for (int k = 0; k < ORDERS; k++) analyze(&list[k], orders[k].ordering, U, &common);
   for (int k = 0; k < ORDERS; k++) flops = fmin(flops, list[k].flops);
-  for (double spent = 0; spent < 6e9 || spent == 0; spent += fmax(flops, 2e8)) {
+  for (double spent = 0; spent < fmax(6e9, 2.5 * flops); spent += fmax(flops, 2e8)) { /* memory is new to the first */
     plugin(&s, b, b + n, &own);
     for (int k = 0; k < ORDERS; k++) direct(&list[k], U, &common);
   }
