@@ -1,9 +1,9 @@
 /* Sparse Cholesky factorization P A P^T = L L^T of symmetric positive definite matrices in blocks of 3 x 3 numbers, by
  * the multifrontal method of plugins/common/supernodal with CHOLMOD's order.
  *
- * Beside CHOLMOD's own factorization with the best of its orders it takes 0.55, 0.68, 0.88 and 0.75 of the time for
+ * Beside CHOLMOD's own factorization with the best of its orders it takes 0.62, 0.65, 0.74 and 0.82 of the time for
  * cloths of 64, 128, 192 and 256 squared, in turns (tests/bench/cholmod.c, one thread of a Sapphire Rapids, OpenBLAS
- * 0.3.21; with AVX2 on both sides 0.63, 0.78, 0.95 and 0.87), and alone 17, 128, 375 and 820 ms (18, 170, 520 and
+ * 0.3.21; with AVX2 on both sides 0.67, 0.72, 0.86 and 0.90), and alone 17, 128, 375 and 820 ms (18, 170, 520 and
  * 1,160). Rows are found by blocks, products are made in tiles for columns by threes of factors that lie in strips
  * (dense_loops.h), and updates are stored, not added to zeros. Where products read fronts as they lay, 256 squared took
  * 1,640 (2,540) ms. Duff and Reid, ACM TOMS 9 (1983); Liu, SIAM Review 34 (1992); Chen, Davis, Hager and Rajamanickam,
