@@ -24,7 +24,8 @@ typedef struct hk_solve_info {
 enum { /* hk_solver.flags */
        HK_SOLVES_UNSYMMETRIC = 1,
        HK_SOLVES_INDEFINITE = 2,
-       HK_ITERATIVE = 4 /* needs little memory: the host's choice for very many unknowns */
+       HK_ITERATIVE = 4, /* needs little memory: the host's choice for very many unknowns */
+       HK_MULTILEVEL = 8 /* iterations hardly grow with the size, for a dear factorization: for the largest alone */
 };
 
 typedef struct hk_solver {

@@ -13,7 +13,9 @@
  * symmetric matrices do; with blocks projected to positive semi-definite it is 2 to 4 times larger, so they are taken
  * only where the factorization of the step's own matrix has failed, and what they leave out is corrected once. (Curtain
  * of 64 x 64, 1e8 N/m, tol from 0.9e-3 to 1.1e-3: 7.4 to 13.9 mm; projected for 8 steps after a failure, 12.5 to 16.5
- * mm in a sixth less time; never corrected, 139 mm.)
+ * mm in a sixth less time; never corrected, 139 mm. Projected for one step after a failure, 48 x 48, 0.3 s at 1e8 N/m:
+ * 215 factorizations instead of 346 and 5.8 mm instead of 2.6 at tol 1e-3, 138 and 5.2 instead of 204 and 3.7 at
+ * 0.9e-3. A factorization that fails costs little, as it ends at its first bad pivot.)
  *
  * The error is that of the predictor by X, X_before and f(X), whose distance from the corrector is (2 + 3 q)/(1 + q)
  * times the corrector's error. It is that of positions and channels. In the limit of stiff springs velocities are of

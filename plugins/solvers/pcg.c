@@ -5,38 +5,34 @@
  * fixed particle, whose rows have diagonal entries only. The preconditioners preserve this property: both are built
  * from the same blocks.
  *
- * The residual is the recursive one; when it has reached the tolerance, b - A x is computed, and the iteration restarts
- * from x if that is larger. Vectors are divided into chunks and partial sums are added in their order, so results are
- * bitwise equal for any number of threads. Invariant: between calls `upper` and the preconditioner have the pattern of
- * the last analysis, and `ready` says that they have its numbers. Hestenes and Stiefel 1952, J. Res. NBS 49; Baraff and
- * Witkin 1998, Large steps in cloth simulation.
+ * The iteration is that of plugins/common/gradients/conjugate_gradients. Invariant: between calls `upper` and the
+ * preconditioner have the pattern of the last analysis, and `ready` says that they have its numbers. Hestenes and
+ * Stiefel 1952, J. Res. NBS 49; Baraff and Witkin 1998, Large steps in cloth simulation.
  *
  * For matrices whose factor does not fit into memory; where it does, `supernodal` is faster: a cloth of 160 x 160
  * particles, k = 1e4 N/m, three steps of linear_bdf2: 9.2 s of the processor by supernodal, 18.1 by this; 32 x 32, 1e6
  * N/m, 24 steps of bdf2: 0.64 and 2.65 s (hooke run scripts/scenes/stiff_cloth.lua --threads 1 --solver NAME).
  */
 #include "core/plugin.h"
+#include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
-#include "plugins/common/linear/upper_matrix.h"
-
-#include <string.h>
 
 enum { BLOCK_JACOBI, INCOMPLETE_CHOLESKY };
-enum { CHUNK = 4096, SPARE = 8, LEAST_LIMIT = 1000 };
+enum { CHUNK = 4096 };
 
 typedef struct gradients {
   int preconditioner;
   double tolerance;
   int64_t iterations;
   const hk_host *host;
-  size_t rows, block, unknowns, chunks; /* sizes of the analysed matrix */
+  size_t rows, block; /* sizes of the analysed matrix */
   bool analyzed, ready;
   hk_upper upper;
   hk_incomplete incomplete;
-  double *inverse; /* rows x block x block: inverses of the diagonal blocks */
-  double *vectors; /* x, r, z, p, q, each of `unknowns` doubles and some padding */
-  double *x, *r, *z, *p, *q;
-  double *part; /* chunks x 2 */
+  hk_gradients gradients;
+  double *inverse;  /* rows x block x block: inverses of the diagonal blocks */
+  const double *r;  /* what block_jacobi is given, */
+  double *z, *part; /* and what it gives; a sum for each chunk of rows */
 } gradients;
 
 static const hk_param params[] = {
@@ -63,10 +59,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void forget(gradients *s) {
   hk_upper_free(&s->upper, s->host);
   hk_incomplete_free(&s->incomplete, s->host);
+  hk_gradients_free(&s->gradients, s->host);
   s->host->release(s->host, s->inverse);
-  s->host->release(s->host, s->vectors);
   s->host->release(s->host, s->part);
-  s->inverse = s->vectors = s->part = NULL;
+  s->inverse = s->part = NULL;
   s->analyzed = s->ready = false;
 }
 
@@ -84,20 +80,12 @@ static hk_status analyze(void *self, const hk_matrix *A) {
     return host->fail(host, HK_FAILED, "%zu blocks are more than 32-bit numbers can count", A->row_start[A->rows]);
   s->rows = A->rows;
   s->block = A->block;
-  s->unknowns = n;
-  s->chunks = (n + CHUNK - 1) / CHUNK;
   if (hk_upper_analyze(&s->upper, host, A) != HK_OK) return no_memory(s, A);
   if (s->preconditioner == INCOMPLETE_CHOLESKY && hk_incomplete_analyze(&s->incomplete, host, A) != HK_OK)
     return no_memory(s, A);
   s->inverse = host->allocate(host, (n * A->block + 1) * sizeof *s->inverse);
-  s->vectors = host->allocate(host, 5 * (n + SPARE) * sizeof *s->vectors);
-  s->part = host->allocate(host, (2 * s->chunks + 1) * sizeof *s->part);
-  if (!s->inverse || !s->vectors || !s->part) return no_memory(s, A);
-  s->x = s->vectors;
-  s->r = s->x + n + SPARE;
-  s->z = s->r + n + SPARE;
-  s->p = s->z + n + SPARE;
-  s->q = s->p + n + SPARE;
+  s->part = host->allocate(host, (A->rows / CHUNK + 1) * sizeof *s->part);
+  if (!s->inverse || !s->part || hk_gradients_analyze(&s->gradients, host, n) != HK_OK) return no_memory(s, A);
   s->analyzed = true;
   return HK_OK;
 }
@@ -139,61 +127,11 @@ static hk_status factorize(void *self, const hk_matrix *A) {
   return HK_OK;
 }
 
-/* ---- Vectors --------------------------------------------------------------------------------------------------- */
-
-typedef struct vector_task {
-  gradients *s;
-  const double *b;
-  double factor;
-} vector_task;
-
-/* x += a p, r -= a q; computes the chunk's part of r.r. */
-static void advance(void *context, size_t begin, size_t end, size_t chunk) {
-  const vector_task *t = context;
-  double *restrict x = t->s->x, *restrict r = t->s->r, sum[4] = {0};
-  const double *restrict p = t->s->p, *restrict q = t->s->q;
-  size_t k = begin;
-  for (; k + 4 <= end; k += 4)
-    for (size_t c = 0; c < 4; c++) {
-      x[k + c] += t->factor * p[k + c];
-      r[k + c] -= t->factor * q[k + c];
-      sum[c] += r[k + c] * r[k + c];
-    }
-  for (; k < end; k++) {
-    x[k] += t->factor * p[k];
-    r[k] -= t->factor * q[k];
-    sum[0] += r[k] * r[k];
-  }
-  t->s->part[2 * chunk] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-/* r = b - q; computes the chunk's parts of r.r and b.b. */
-static void compare(void *context, size_t begin, size_t end, size_t chunk) {
-  const vector_task *t = context;
-  double left = 0, whole = 0;
-  for (size_t k = begin; k < end; k++) {
-    double r = t->b[k] - t->s->q[k];
-    t->s->r[k] = r;
-    left += r * r;
-    whole += t->b[k] * t->b[k];
-  }
-  t->s->part[2 * chunk] = left;
-  t->s->part[2 * chunk + 1] = whole;
-}
-
-/* p = z + factor p */
-static void update_direction(void *context, size_t begin, size_t end, size_t chunk) {
-  const vector_task *t = context;
-  const double *restrict z = t->s->z;
-  double *restrict p = t->s->p;
-  (void)chunk;
-  for (size_t k = begin; k < end; k++) p[k] = z[k] + t->factor * p[k];
-}
+/* ---- Preconditioners and solution ------------------------------------------------------------------------------ */
 
 /* z = inverse diagonal blocks times r, by rows; computes the chunk's part of r.z. */
 static void apply_diagonal(void *context, size_t begin, size_t end, size_t chunk) {
-  const vector_task *t = context;
-  const gradients *s = t->s;
+  const gradients *s = context;
   const double *restrict I = s->inverse, *restrict r = s->r;
   double *restrict z = s->z, sum = 0;
   for (size_t k = begin; k < end && s->block == 1; k++) {
@@ -209,106 +147,30 @@ static void apply_diagonal(void *context, size_t begin, size_t end, size_t chunk
     z[3 * k + 2] = c;
     sum += u[0] * a + u[1] * b + u[2] * c;
   }
-  s->part[2 * chunk] = sum;
+  s->part[chunk] = sum;
 }
 
-static double add_parts(const gradients *s, size_t which, size_t chunks) {
+static double block_jacobi(void *context, const double *r, double *z) {
+  gradients *s = context;
   double sum = 0;
-  for (size_t k = 0; k < chunks; k++) sum += s->part[2 * k + which];
+  s->r = r;
+  s->z = z;
+  s->host->parallel_for(s->host, s->rows, CHUNK, apply_diagonal, s);
+  for (size_t k = 0; k < (s->rows + CHUNK - 1) / CHUNK; k++) sum += s->part[k];
   return sum;
 }
 
-/* z = M^-1 r; returns r.z. */
-static double precondition(gradients *s) {
-  if (s->preconditioner == INCOMPLETE_CHOLESKY) return hk_incomplete_apply(&s->incomplete, s->host, s->r, s->z);
-  vector_task task = {.s = s};
-  s->host->parallel_for(s->host, s->rows, CHUNK, apply_diagonal, &task);
-  return add_parts(s, 0, (s->rows + CHUNK - 1) / CHUNK);
-}
-
-static double step_along(gradients *s, double factor) {
-  vector_task task = {.s = s, .factor = factor};
-  s->host->parallel_for(s->host, s->unknowns, CHUNK, advance, &task);
-  return add_parts(s, 0, s->chunks);
-}
-
-static void next_direction(gradients *s, double factor) {
-  vector_task task = {.s = s, .factor = factor};
-  s->host->parallel_for(s->host, s->unknowns, CHUNK, update_direction, &task);
-}
-
-/* r = b - A x, with q = A x; returns |r|^2 and sets |b|^2. */
-static double true_residual(gradients *s, const double *b, double *whole) {
-  vector_task task = {.s = s, .b = b};
-  hk_upper_product(&s->upper, s->host, s->x, s->q);
-  s->host->parallel_for(s->host, s->unknowns, CHUNK, compare, &task);
-  *whole = add_parts(s, 1, s->chunks);
-  return add_parts(s, 0, s->chunks);
-}
-
-/* ---- Solution -------------------------------------------------------------------------------------------------- */
-
-static hk_status stopped(gradients *s, double left, double tolerance, int iterations, const char *why) {
-  return s->host->fail(s->host, HK_NOT_CONVERGED,
-                       "the residual is %.3g of the right-hand side after %d iterations, asked for was %.3g: %s", left,
-                       iterations, tolerance, why);
-}
-
-static hk_status bad_curvature(gradients *s, double curvature, int iterations) {
-  if (isnan(curvature))
-    return s->host->fail(s->host, HK_NOT_FINITE, "the linear system's numbers are not finite, seen after %d iterations",
-                         iterations);
-  return s->host->fail(s->host, HK_NOT_CONVERGED,
-                       "the matrix is not positive definite, seen after %d iterations: p.(A p) = %.3g; the step is too "
-                       "long for a force that pushes apart, or the matrix is singular",
-                       iterations, curvature);
-}
-
-/* Iterates from s->x, whose residual is s->r, until |r|^2 <= goal. */
-static hk_status iterate(gradients *s, double goal, int limit, int *iterations, double *left) {
-  double rz = precondition(s);
-  next_direction(s, 0);
-  while (*iterations < limit) {
-    double curvature = hk_upper_product(&s->upper, s->host, s->p, s->q);
-    if (!(curvature > 0) || !isfinite(rz)) return bad_curvature(s, curvature, *iterations);
-    ++*iterations;
-    *left = step_along(s, rz / curvature);
-    if (!(*left > goal)) break;
-    double next = precondition(s);
-    next_direction(s, next / rz);
-    rz = next;
-  }
-  return HK_OK;
-}
-
-static int limit_of(const gradients *s) {
-  if (s->iterations > 0) return (int)s->iterations;
-  size_t limit = s->unknowns + 10 > LEAST_LIMIT ? s->unknowns + 10 : LEAST_LIMIT;
-  return limit < INT32_MAX ? (int)limit : INT32_MAX;
+static double incomplete_cholesky(void *context, const double *r, double *z) {
+  const gradients *s = context;
+  return hk_incomplete_apply(&s->incomplete, s->host, r, z);
 }
 
 static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {
   gradients *s = self;
   if (!s->ready) return s->host->fail(s->host, HK_FAILED, "there is no matrix to solve with");
-  double tolerance = info && info->tolerance > 0 ? info->tolerance : s->tolerance, whole, last = INFINITY;
-  int limit = limit_of(s), iterations = 0;
-  memset(s->vectors, 0, 5 * (s->unknowns + SPARE) * sizeof *s->vectors);
-  double left = true_residual(s, b, &whole);
-  while (left > tolerance * tolerance * whole) {
-    double relative = sqrt(left / whole);
-    if (iterations >= limit) return stopped(s, relative, tolerance, iterations, "the limit of iterations is reached");
-    if (left > last / 4)
-      return stopped(s, relative, tolerance, iterations,
-                     "rounding allows no less; ask for a larger tolerance or choose a direct solver");
-    last = left;
-    hk_status status = iterate(s, tolerance * tolerance * whole, limit, &iterations, &left);
-    if (status != HK_OK) return status;
-    left = true_residual(s, b, &whole);
-  }
-  if (!isfinite(left)) return bad_curvature(s, NAN, iterations);
-  memcpy(x, s->x, s->unknowns * sizeof *x);
-  if (info) *info = (hk_solve_info){iterations, whole > 0 ? sqrt(left / whole) : 0, info->tolerance};
-  return HK_OK;
+  bool jacobi = s->preconditioner == BLOCK_JACOBI;
+  hk_gradients_system system = {&s->upper, jacobi ? block_jacobi : incomplete_cholesky, s, s->tolerance, s->iterations};
+  return hk_gradients_solve(&s->gradients, &system, b, x, info);
 }
 
 static const hk_solver solver = {

@@ -1,10 +1,16 @@
 /* Sparse Cholesky factorization P A P^T = L L^T of symmetric positive definite matrices in blocks of 3 x 3 numbers, by
  * the multifrontal method of plugins/common/supernodal with CHOLMOD's order.
  *
- * Beside CHOLMOD's own factorization it takes half the time (cloth of 64 x 64 particles 9.7 against 20 ms, 256 x 256
- * 0.52 against 1.06 s, one thread of a Zen 5 with OpenBLAS 0.3.21), since rows are found by blocks, fronts are
- * multiplied in tiles made for columns by threes, and updates are stored, not added to zeros. Duff and Reid, ACM TOMS 9
- * (1983); Liu, SIAM Review 34 (1992); Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008).
+ * Beside CHOLMOD's own factorization with the best of its orders it takes 0.62, 0.65, 0.74 and 0.82 of the time for
+ * cloths of 64, 128, 192 and 256 squared, in turns (tests/bench/cholmod.c, one thread of a Sapphire Rapids, OpenBLAS
+ * 0.3.21; with AVX2 on both sides 0.67, 0.72, 0.86 and 0.90), and alone 17, 128, 375 and 820 ms (18, 170, 520 and
+ * 1,160). Rows are found by blocks, products are made in tiles for columns by threes of factors that lie in strips
+ * (dense_loops.h), and updates are stored, not added to zeros. Where products read fronts as they lay, 256 squared took
+ * 1,640 (2,540) ms. Duff and Reid, ACM TOMS 9 (1983); Liu, SIAM Review 34 (1992); Chen, Davis, Hager and Rajamanickam,
+ * Algorithm 887: CHOLMOD, ACM TOMS 35 (2008).
+ *
+ * NESDIS saves a twelfth of METIS's operations at 192 x 192 and nothing at 64, 128 and 256, and would be one more
+ * ordering in every analysis: it is not tried.
  *
  * Gradients preconditioned by the factor of an earlier matrix, in floats, were slower in short steps as well: a cloth
  * of 96 x 96 particles, k = 1e5 N/m, 34 steps of bdf2 of 0.5 ms, 19.2 s of the processor beside 7.9; they are left out.

@@ -1,10 +1,10 @@
 /* The product with a symmetric block matrix beside streaming its numbers once, at 512 x 512; and both preconditioners
  * on the matrix of a stiff cloth of 128 x 128, M + h^2 K with k = 1e5 N/m and h = 1/60 s, curtain's masses and pins.
  * Times are medians of repeats taken in turn, so that both sides see the same machine. */
-#include "core/numerics/matrix/matrix.h"
 #include "core/engine/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/upper_matrix.h"
+#include "tests/bench/cloth_matrix.h"
 #include "tests/support/engine.h"
 
 #include <stdio.h>
@@ -26,91 +26,6 @@ static int by_size(const void *a, const void *b) {
 static double median(double *list, size_t count) {
   qsort(list, count, sizeof *list, by_size);
   return list[count / 2];
-}
-
-/* Of the k-th number, the same in every call. */
-static double noise(size_t k) {
-  uint64_t bits = ((uint64_t)k + 1) * 6364136223846793005u;
-  bits = (bits ^ (bits >> 32)) * 0x9E3779B97F4A7C15u;
-  return (double)(bits >> 11) * 0x1p-53 - 0.5;
-}
-
-/* ---- the cloth's matrix ---- */
-
-typedef struct cloth {
-  hk_block_matrix pattern;
-  hk_matrix A;
-  double *x;
-  uint32_t side;
-} cloth;
-
-enum { KINDS = 6 }; /* of springs: structural, shear, flexion, two directions each */
-
-static const int offset[KINDS][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}, {2, 0}, {0, 2}};
-static const double share[KINDS] = {1, 1, 0.3, 0.3, 0.05, 0.05}; /* of k: hang's 1000, 300, 50 N/m */
-
-static double *block(cloth *c, size_t row, size_t column) {
-  size_t e = c->A.row_start[row];
-  while (c->A.column[e] != column) e++;
-  return c->A.value + 9 * e;
-}
-
-/* Calls `visit` for every spring. */
-static void each_spring(cloth *c, double k, void (*visit)(cloth *, uint32_t a, uint32_t b, double k, double L)) {
-  for (int o = 0; o < KINDS; o++)
-    for (uint32_t a = 0; a < c->side * c->side; a++) {
-      int64_t i = (int64_t)(a % c->side) + offset[o][0], j = (int64_t)(a / c->side) + offset[o][1];
-      if (i < 0 || i >= c->side || j >= c->side) continue;
-      visit(c, a, (uint32_t)(j * c->side + i), k * share[o], hypot(offset[o][0], offset[o][1]) / (c->side - 1));
-    }
-}
-
-static void name_spring(cloth *c, uint32_t a, uint32_t b, double k, double L) {
-  (void)k, (void)L;
-  c->pattern.naming.block(&c->pattern.naming, a, b);
-  c->pattern.naming.block(&c->pattern.naming, b, a);
-}
-
-/* k (d d^T + max(0, 1 - L/l) (1 - d d^T)); the top row is pinned. */
-static void add_spring(cloth *c, uint32_t a, uint32_t b, double k, double L) {
-  double d[3], l = 0;
-  for (int q = 0; q < 3; q++) d[q] = c->x[3 * b + q] - c->x[3 * a + q], l += d[q] * d[q];
-  l = sqrt(l);
-  double across = fmax(0, 1 - L / l);
-  bool free_a = a / c->side + 1 < c->side, free_b = b / c->side + 1 < c->side;
-  for (int q = 0; q < 9; q++) {
-    double K = k * ((1 - across) * d[q / 3] * d[q % 3] / (l * l) + (q % 4 == 0 ? across : 0));
-    if (free_a) block(c, a, a)[q] += K;
-    if (free_b) block(c, b, b)[q] += K;
-    if (free_a && free_b) block(c, a, b)[q] -= K, block(c, b, a)[q] -= K;
-  }
-}
-
-static void open_cloth(cloth *c, uint32_t side, double k, double h) {
-  size_t n = (size_t)side * side;
-  *c = (cloth){.side = side, .x = malloc(3 * n * sizeof(double))};
-  for (size_t i = 0; i < n; i++) {
-    double u = (double)(i % side) / (side - 1), v = (double)(i / side) / (side - 1);
-    c->x[3 * i] = u;
-    c->x[3 * i + 1] = v * (1 + 0.006 * sin(5 * u));
-    c->x[3 * i + 2] = 0.02 * sin(19 * u + 7 * v);
-  }
-  hk_block_matrix_begin(&c->pattern, n, n);
-  for (uint32_t i = 0; i < n; i++) c->pattern.naming.block(&c->pattern.naming, i, i);
-  each_spring(c, 0, name_spring);
-  if (hk_block_matrix_build(&c->pattern) != HK_OK) exit(1);
-  c->A = (hk_matrix){
-      .rows = n, .block = 3, .row_start = c->pattern.row_start, .column = c->pattern.column, .symmetric = true};
-  c->A.value = calloc(9 * c->pattern.row_start[n], sizeof(double));
-  for (uint32_t i = 0; i < n; i++)
-    for (int q = 0; q < 9; q += 4) block(c, i, i)[q] = i / side + 1 < side ? 0.15 / (double)n : h * h * k;
-  each_spring(c, h * h * k, add_spring);
-}
-
-static void close_cloth(cloth *c) {
-  free(c->x);
-  free(c->A.value);
-  hk_block_matrix_free(&c->pattern);
 }
 
 /* ---- the solver's host ---- */
@@ -180,7 +95,7 @@ static double bytes_read(const hk_upper *m) {
   return (double)bytes;
 }
 
-static void product(cloth *c, int threads) {
+static void product(cloth_matrix *c, int threads) {
   enum { REPEATS = 41, GRAIN = 1 << 18 };
   double list[3][REPEATS];
   bench_solver opened;
@@ -217,7 +132,7 @@ static void product(cloth *c, int threads) {
 
 /* ---- the solver ---- */
 
-static void solve(cloth *c, const char *preconditioner, int threads) {
+static void solve(cloth_matrix *c, const char *preconditioner, int threads) {
   bench_solver opened;
   hk_instance *solver = open_solver(&opened, preconditioner, threads);
   size_t n = 3 * c->A.rows;
@@ -245,15 +160,15 @@ static void solve(cloth *c, const char *preconditioner, int threads) {
 }
 
 int main(void) {
-  cloth c;
-  open_cloth(&c, 512, 1e5, 1 / 60.0);
+  cloth_matrix c;
+  open_cloth_matrix(&c, 512, 1e5, 1 / 60.0);
   for (int threads = 1; threads <= 2; threads++) product(&c, threads);
-  close_cloth(&c);
-  open_cloth(&c, 128, 1e5, 1 / 60.0);
+  close_cloth_matrix(&c);
+  open_cloth_matrix(&c, 128, 1e5, 1 / 60.0);
   for (int threads = 1; threads <= 2; threads++) {
     solve(&c, "block_jacobi", threads);
     solve(&c, "incomplete_cholesky", threads);
   }
-  close_cloth(&c);
+  close_cloth_matrix(&c);
   return 0;
 }

@@ -54,6 +54,7 @@ static const example examples[] = {
      SPRINGS "scene:integrator('local_leapfrog')\nscene:force('springs',\n"
              "  { edges = { { s:at(3, 3), s:at(4, 3) } }, k = 1e6, label = 'stiff' })\n"},
     {"xpbd", false, SHEET "springs(s, 0.01)\nscene:integrator('xpbd')\n"},
+    {"multigrid", true, SPRINGS "scene:integrator('backward_euler')\nscene:solver('multigrid')\n"},
     {"implicit, sparse products", false, SPRINGS "scene:integrator('backward_euler')\nscene:solver('pcg')\n"},
     {"incomplete Cholesky", false,
      SPRINGS "scene:integrator('backward_euler')\nscene:solver('pcg', { preconditioner = 'incomplete_cholesky' })\n"},

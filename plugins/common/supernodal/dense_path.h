@@ -8,17 +8,40 @@
 
 #include "plugins/common/supernodal/supernodes.h"
 
+/* Columns of a front that are worked on together, at most, and rows of a chunk: multiples of the widths of all tiles,
+ * the rows a multiple of three times the tallest. Strips of 12 such columns are 18 kB, which stay in the first cache
+ * while a chunk of rows, 300 kB, in the second, goes past. */
+enum { HK_FRONT_DEPTH = 192, HK_FRONT_ROWS = 192 };
+
+/* Some columns of a front, right-looking: the square on the diagonal, the rows below it, and what these take from the
+ * rest of the front, which is `inner` further columns of the panel and the update. Rows and columns of the rest count
+ * from row `begin` of the panel, where the square ends with a vector. */
+typedef struct hk_front_block {
+  void *panel;   /* its first column, of `ld` numbers; the diagonal begins in row `top` */
+  void *inverse; /* columns: 1/diagonal */
+  size_t ld, top;
+  size_t columns;      /* up to HK_FRONT_DEPTH */
+  size_t begin, rows;  /* below the square: whole vectors, `begin` is top + columns */
+  size_t inner, outer; /* columns of the rest in the panel, and in the update */
+  void *update;        /* outer columns of ldu numbers; its rows are those of the rest from row `inner` on */
+  size_t ldu;
+  bool first;           /* the update is not there yet */
+  void *square, *A, *B; /* strips of the square, HK_FRONT_DEPTH squared numbers; of rows and columns of the rest */
+} hk_front_block;
+
 typedef struct hk_dense_path {
   const char *name;
   size_t number; /* bytes: of a double or a float */
-  /* Cholesky's factorization of the square of the panel's `columns` columns, whose diagonal begins in row `top` and
-   * ends with a vector. 1/diagonal goes to `inverse`. Returns the number of columns before the first pivot that is not
-   * positive: `columns` if all are. */
-  size_t (*factorize)(void *panel, size_t ld, size_t top, size_t columns, void *inverse);
-  /* Rows [begin, end) below it, whole vectors, divided by the square's transpose. */
-  void (*solve_rows)(void *panel, size_t ld, size_t top, size_t columns, const void *inverse, size_t begin, size_t end);
-  /* Columns [begin, end) of U = -L L^T, on and below the diagonal. U has `ldu` rows, as L, whose columns have `ld`. */
-  void (*update)(void *U, size_t ldu, size_t begin, size_t end, const void *L, size_t ld, size_t columns);
+  /* Cholesky's factorization of the square. Returns the number of columns before the first pivot that is not positive:
+   * `columns` if all are. */
+  size_t (*factorize)(const hk_front_block *);
+  /* Rows [begin, end) below it, divided by the square's transpose, also into A. Of these and of `update`, begin and end
+   * are multiples of a third of HK_FRONT_ROWS or the end. */
+  void (*solve_rows)(const hk_front_block *, size_t begin, size_t end);
+  /* Rows [begin, end) into B, as columns of the rest; begin is a multiple of HK_FRONT_ROWS. */
+  void (*pack_columns)(const hk_front_block *, size_t begin, size_t end);
+  /* Takes A B^T from rows [begin, end) of the rest, on and below the diagonal. */
+  void (*update)(const hk_front_block *, size_t begin, size_t end);
   /* A supernode's panel with the blocks of A, and what a child's update adds to it and to the update. */
   void (*begin)(const hk_supernodes *, const hk_supernode *, const double *value, void *panel);
   void (*extend_panel)(const hk_supernodes *, const hk_supernode *child, const void *from, const hk_supernode *,

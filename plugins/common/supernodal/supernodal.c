@@ -13,9 +13,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Of fronts at the top, whole tiles of every path: a chunk is some 10 us or more with 100 columns. */
-enum { GRAIN_VECTORS = 8, GRAIN_COLUMNS = 24 };
-
 hk_status hk_supernodal_open(hk_supernodal *s, const hk_host *host, bool single) {
   s->host = host;
   s->path = single ? hk_dense_single(host->lanes) : hk_dense_double(host->lanes);
@@ -29,13 +26,14 @@ hk_status hk_supernodal_open(hk_supernodal *s, const hk_host *host, bool single)
 bool hk_supernodal_is_single(const hk_supernodal *s) { return s->path->number == sizeof(float); }
 
 static void forget(hk_supernodal *s) {
-  void **all[] = {&s->L, &s->inverse, &s->update, &s->vector, &s->front};
+  void **all[] = {&s->L, &s->inverse, &s->update, &s->vector, &s->front, &s->work};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
     s->host->release(s->host, *all[k]);
     *all[k] = NULL;
   }
   s->host->release(s->host, s->bad);
-  s->bad = NULL;
+  s->host->release(s->host, s->work_at);
+  s->bad = s->work_at = NULL;
   hk_triangular_free(s->columns, s->host);
   s->columns = NULL;
   s->ready = false;
@@ -51,6 +49,30 @@ void hk_supernodal_close(hk_supernodal *s) {
 
 static size_t unknowns(const hk_supernodal *s) { return s->nodes.rows * s->nodes.block; }
 
+static const hk_supernode *nth(const hk_supernodal *s, size_t branch, uint32_t k) {
+  return &s->nodes.node[branch + 1 == s->nodes.branches ? s->nodes.top[k] : k];
+}
+
+static void *at(const hk_supernodal *s, void *numbers, size_t position) {
+  return (char *)numbers + position * s->path->number;
+}
+
+/* Where each branch has its memory for fronts; returns the numbers of all. */
+static size_t lay_out_work(hk_supernodal *s) {
+  size_t b = s->nodes.block, sum = 0;
+  for (size_t k = 0; k < s->nodes.branches; k++) {
+    size_t most = 0;
+    for (uint32_t i = s->nodes.branch[k].begin; i < s->nodes.branch[k].end; i++) {
+      const hk_supernode *n = nth(s, k, i);
+      size_t work = hk_dense_front_work(b * n->columns, b * n->rows);
+      if (work > most) most = work;
+    }
+    s->work_at[k] = sum;
+    sum += most;
+  }
+  return sum;
+}
+
 static bool allocate(hk_supernodal *s) {
   const hk_host *host = s->host;
   size_t number = s->path->number, vector = HK_FRONT_VECTOR / number, branches = s->nodes.branches;
@@ -62,7 +84,10 @@ static bool allocate(hk_supernodal *s) {
   s->vector = host->allocate(host, branches * s->stride * number);
   s->front = host->allocate(host, branches * s->front_stride * number);
   s->bad = host->allocate(host, branches * sizeof *s->bad);
-  return s->L && s->inverse && s->update && s->vector && s->front && s->bad;
+  s->work_at = host->allocate(host, branches * sizeof *s->work_at);
+  if (!s->work_at) return false;
+  s->work = host->allocate(host, (lay_out_work(s) + 1) * number);
+  return s->work && s->L && s->inverse && s->update && s->vector && s->front && s->bad;
 }
 
 hk_status hk_supernodal_analyze(hk_supernodal *s, const hk_matrix *A, int ordering) {
@@ -72,83 +97,54 @@ hk_status hk_supernodal_analyze(hk_supernodal *s, const hk_matrix *A, int orderi
   return s->host->fail(s->host, HK_NO_MEMORY, "no memory for a factor of %.3g numbers", s->nodes.entries);
 }
 
-static const hk_supernode *nth(const hk_supernodal *s, size_t branch, uint32_t k) {
-  return &s->nodes.node[branch + 1 == s->nodes.branches ? s->nodes.top[k] : k];
-}
-
-static void *at(const hk_supernodal *s, void *numbers, size_t position) {
-  return (char *)numbers + position * s->path->number;
-}
-
 /* ---- Factorization ---- */
 
-typedef struct dense_front {
-  hk_supernodal *s;
-  const hk_supernode *n;
-  void *panel, *update;
-} dense_front;
-
-static size_t columns_of(const dense_front *f) { return f->s->nodes.block * f->n->columns; }
-
-static void *inverse_of(const dense_front *f) { return at(f->s, f->s->inverse, f->s->nodes.block * f->n->first); }
-
-static void solve_rows(void *context, size_t begin, size_t end, size_t chunk) {
-  const dense_front *f = context;
-  const hk_supernode *n = f->n;
-  size_t vector = HK_FRONT_VECTOR / f->s->path->number, first = n->top + columns_of(f);
-  (void)chunk;
-  f->s->path->solve_rows(f->panel, n->ld, n->top, columns_of(f), inverse_of(f), first + vector * begin,
-                         first + vector * end);
-}
-
-static void update(void *context, size_t begin, size_t end, size_t chunk) {
-  const dense_front *f = context;
-  const hk_supernode *n = f->n;
-  size_t columns = columns_of(f);
-  (void)chunk;
-  f->s->path->update(f->update, n->ldu, begin, end, at(f->s, f->panel, n->top + columns), n->ld, columns);
+static hk_dense_front front_at(const hk_supernodal *s, const hk_supernode *n, size_t branch) {
+  size_t b = s->nodes.block;
+  return (hk_dense_front){.host = s->host,
+                          .path = s->path,
+                          .panel = at(s, s->L, n->panel),
+                          .inverse = at(s, s->inverse, b * n->first),
+                          .update = at(s, s->update, n->update),
+                          .work = at(s, s->work, s->work_at[branch]),
+                          .ld = n->ld,
+                          .top = n->top,
+                          .columns = b * n->columns,
+                          .outer = b * n->rows,
+                          .ldu = n->ldu,
+                          .on_all_threads = branch + 1 == s->nodes.branches};
 }
 
 /* The part of every child in the panel, or in the update. */
-static void extend(const dense_front *f, bool panel) {
-  const hk_supernodes *nodes = &f->s->nodes;
-  for (size_t c = f->n->child; c < f->n->child_end; c++) {
+static void extend(const hk_supernodal *s, const hk_supernode *n, const hk_dense_front *f, bool panel) {
+  const hk_supernodes *nodes = &s->nodes;
+  for (size_t c = n->child; c < n->child_end; c++) {
     const hk_supernode *child = &nodes->node[nodes->child[c]];
-    const void *from = at(f->s, f->s->update, child->update);
+    const void *from = at(s, s->update, child->update);
     if (panel)
-      f->s->path->extend_panel(nodes, child, from, f->n, f->panel);
+      s->path->extend_panel(nodes, child, from, n, f->panel);
     else
-      f->s->path->extend_update(nodes, child, from, f->n, f->update);
+      s->path->extend_update(nodes, child, from, n, f->update);
   }
 }
 
 /* Returns the row of the pivot that is not positive, or SIZE_MAX. */
-static size_t factorize_front(hk_supernodal *s, const hk_supernode *n, bool on_all_threads) {
-  dense_front f = {s, n, at(s, s->L, n->panel), at(s, s->update, n->update)};
-  const hk_host *host = s->host;
-  size_t b = s->nodes.block, columns = columns_of(&f);
-  size_t vectors = (n->ld - n->top - columns) / (HK_FRONT_VECTOR / s->path->number);
+static size_t factorize_front(const hk_supernodal *s, const hk_supernode *n, size_t branch) {
+  hk_dense_front f = front_at(s, n, branch);
+  size_t b = s->nodes.block;
   s->path->begin(&s->nodes, n, s->value, f.panel);
-  extend(&f, true);
-  size_t good = s->path->factorize(f.panel, n->ld, n->top, columns, inverse_of(&f));
-  if (good < columns) return b * s->nodes.order[n->first + good / b] + good % b;
-  if (on_all_threads) {
-    host->parallel_for(host, vectors, GRAIN_VECTORS, solve_rows, &f);
-    host->parallel_for(host, b * n->rows, GRAIN_COLUMNS, update, &f);
-  } else {
-    solve_rows(&f, 0, vectors, 0);
-    update(&f, 0, b * n->rows, 0);
-  }
-  extend(&f, false);
+  extend(s, n, &f, true);
+  size_t good = hk_dense_front_factorize(&f);
+  if (good < f.columns) return b * s->nodes.order[n->first + good / b] + good % b;
+  extend(s, n, &f, false);
   return SIZE_MAX;
 }
 
 static void factorize_branch(hk_supernodal *s, size_t branch) {
   hk_branch range = s->nodes.branch[branch];
-  bool top = branch + 1 == s->nodes.branches;
   s->bad[branch] = SIZE_MAX;
   for (uint32_t k = range.begin; k < range.end && s->bad[branch] == SIZE_MAX; k++)
-    s->bad[branch] = factorize_front(s, nth(s, branch, k), top);
+    s->bad[branch] = factorize_front(s, nth(s, branch, k), branch);
 }
 
 static void factorize_branches(void *context, size_t begin, size_t end, size_t chunk) {

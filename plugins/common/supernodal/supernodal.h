@@ -4,7 +4,7 @@
 #define HK_SUPERNODAL_H
 
 #include "plugins/common/linear/triangular.h"
-#include "plugins/common/supernodal/dense_path.h"
+#include "plugins/common/supernodal/dense_front.h"
 #include "plugins/common/supernodal/supernodes.h"
 
 /* Zeroed before `open`. */
@@ -18,6 +18,8 @@ typedef struct hk_supernodal {
   void *update;      /* sums that supernodes pass on */
   void *vector;      /* a right-hand side in the order of the factor, for every branch */
   void *front;       /* a front's part of it, for every branch */
+  void *work;        /* of fronts, for every branch ... */
+  size_t *work_at;   /* branches: ... where its own begins */
   size_t *bad;       /* branches: the row whose pivot was not positive, or SIZE_MAX */
   size_t stride, front_stride;
   const double *value;    /* of the matrix that is being factorized */

@@ -5,7 +5,7 @@ local validation = require("validation")
 
 local EA, mu, L, g = 20, 0.3, 1.2, 9.81
 local stretch = mu * g * L * L / (2 * EA)
-local solvers = { "banded", "supernodal", "cholmod", "pcg", "umfpack" }
+local solvers = { "banded", "supernodal", "cholmod", "multigrid", "pcg", "umfpack" }
 
 local quantities = {}
 for k, name in ipairs(solvers) do

@@ -11,24 +11,27 @@
 
 #include <cmocka.h>
 
-enum { SIDE = 40, N = SIDE * SIDE };
+enum { SIDE = 40, N = SIDE * SIDE, LARGE_SIDE = 317 /* 301,467 unknowns */ };
 
-/* SIDE strands of SIDE particles, side by side, or the same particles as a grid. */
-static void open(test_engine *e, const char *integrator, bool grid) {
-  uint32_t edge[2 * N][2];
+/* `side` strands of `side` particles, side by side, or the same particles as a grid. */
+static void open_sized(test_engine *e, const char *integrator, bool grid, uint32_t side) {
+  uint32_t(*edge)[2] = malloc(2 * (size_t)side * side * sizeof *edge);
   size_t count = 0;
   test_engine_open(e);
   test_plugin(e, HK_INTEGRATOR, integrator);
-  for (uint32_t i = 0; i < N; i++) {
-    test_particle(e, i % SIDE, i / SIDE, 0, 1);
-    if (i % SIDE) edge[count][0] = i, edge[count++][1] = i + 1;
-    if (grid && i >= SIDE) edge[count][0] = i + 1 - SIDE, edge[count++][1] = i + 1;
+  for (uint32_t i = 0; i < side * side; i++) {
+    test_particle(e, i % side, i / side, 0, 1);
+    if (i % side) edge[count][0] = i, edge[count++][1] = i + 1;
+    if (grid && i >= side) edge[count][0] = i + 1 - side, edge[count++][1] = i + 1;
   }
   hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, count);
   test_number(e, springs, "k", 300);
   e->options.dt = 1e-2;
+  free(edge);
 }
+
+static void open(test_engine *e, const char *integrator, bool grid) { open_sized(e, integrator, grid, SIDE); }
 
 static const char *in_use(const test_engine *e) { return hk_solver_in_use(&e->run->dynamics)->plugin->name; }
 
@@ -40,6 +43,18 @@ static void strands_have_the_solver_for_bands_and_cloth_another(void **state) {
     test_run(&e);
     assert_int_equal(hk_run_advance(e.run, 0.1, &e.error), HK_OK);
     assert_string_equal(in_use(&e), grid ? "supernodal" : "banded");
+    test_engine_close(&e);
+  }
+}
+
+/* No factor of so many unknowns is worth its memory; strands of any number have theirs. */
+static void surfaces_of_many_unknowns_have_multigrid(void **state) {
+  (void)state;
+  test_engine e;
+  for (int grid = 0; grid < 2; grid++) {
+    open_sized(&e, "backward_euler", grid, LARGE_SIDE);
+    test_run(&e);
+    assert_string_equal(in_use(&e), grid ? "multigrid" : "banded");
     test_engine_close(&e);
   }
 }
@@ -112,6 +127,7 @@ static void every_new_pattern_decides_anew(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(strands_have_the_solver_for_bands_and_cloth_another),
+      cmocka_unit_test(surfaces_of_many_unknowns_have_multigrid),
       cmocka_unit_test(a_named_solver_is_kept),
       cmocka_unit_test(methods_hear_of_the_solver_that_will_solve),
       cmocka_unit_test(bars_of_a_chain_have_it_whatever_the_forces),

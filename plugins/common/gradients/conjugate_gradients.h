@@ -1,0 +1,33 @@
+/* Preconditioned conjugate gradients on a symmetric positive definite block matrix: Hestenes and Stiefel 1952, J. Res.
+ * NBS 49. Results are bitwise equal for any number of threads if those of the preconditioner are. */
+#ifndef HK_CONJUGATE_GRADIENTS_H
+#define HK_CONJUGATE_GRADIENTS_H
+
+#include "plugins/common/linear/upper_matrix.h"
+
+typedef struct hk_gradients_system {
+  const hk_upper *A;
+  /* z = M^-1 r with M symmetric and positive definite; returns r.z. Both have eight numbers beyond their ends. */
+  double (*precondition)(void *context, const double *r, double *z);
+  void *context;
+  double tolerance;   /* of |b - A x| / |b| where the caller asks for none */
+  int64_t iterations; /* at most; 0: 10 more than there are unknowns, or 1000 if that is more */
+} hk_gradients_system;
+
+typedef struct hk_gradients {
+  const hk_host *host;
+  const hk_gradients_system *system; /* during a solution */
+  size_t unknowns, chunks;
+  double *vectors; /* x, r, z, p, q, each of `unknowns` doubles and some padding */
+  double *x, *r, *z, *p, *q;
+  double *part; /* chunks x 2 */
+} hk_gradients;
+
+hk_status hk_gradients_analyze(hk_gradients *, const hk_host *, size_t unknowns); /* HK_NO_MEMORY: to be freed */
+void hk_gradients_free(hk_gradients *, const hk_host *);                          /* a zeroed structure is allowed */
+/* info: as of hk_solver.solve, NULL or with the tolerance; it gets the iterations and the residual b - A x that was
+ * computed last, relative to b. HK_NOT_CONVERGED, HK_NOT_FINITE with a message; x is then as it was. */
+hk_status hk_gradients_solve(hk_gradients *, const hk_gradients_system *, const double *b, double *x,
+                             hk_solve_info *info);
+
+#endif
