@@ -1,10 +1,10 @@
-/* Finds the free rigid groups of a scene, and keeps them by the loops of rigid_loops.c. They are used where all
+/* Finds the free rigid groups of a scene, and keeps them by the loops of rigid/rigid.c. They are used where all
  * equations of the scene are of such groups: distances (HK_DISTANCES) between two to four particles that nothing pins
  * or rides, all of them kept, and masses that are known. Otherwise, and where a group does not converge, the equations
  * are solved together (constraint_projection.c), which goes on from where this stopped. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/constraints/constraints.h"
-#include "core/numerics/constraints/rigid_loops.h"
+#include "core/numerics/rigid/rigid.h"
 
 #include <stdlib.h>
 #include <string.h>

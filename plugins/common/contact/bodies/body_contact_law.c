@@ -54,9 +54,9 @@ static void next_slide(const tangent *t, const double slide[3], const double r[3
     to[0] = s[0] - (t->g[2] * q[0] - t->g[1] * q[1]) / det;
     to[1] = s[1] - (t->g[0] * q[1] - t->g[1] * q[0]) / det;
   }
-  if (!solvable || !(hypot(to[0], to[1]) <= limit)) {
+  if (!solvable || !(sqrt(to[0] * to[0] + to[1] * to[1]) <= limit)) {
     for (int k = 0; k < 2; k++) to[k] = s[k] - q[k] / t->most;
-    double size = hypot(to[0], to[1]), part = size > limit ? limit / size : 1;
+    double size = sqrt(to[0] * to[0] + to[1] * to[1]), part = size > limit ? limit / size : 1;
     for (int k = 0; k < 2; k++) to[k] *= part;
   }
   for (int c = 0; c < 3; c++) next[c] = to[0] * t->a[c] + to[1] * t->b[c];

@@ -108,7 +108,7 @@ static void release(const newton *w, size_t i) {
 
 /* The two rows across n of an impact that slips: z_t = mu z_n d, d the direction of z_t - u_t/q. */
 static void slip(const newton *w, size_t i, double mu, double q, const double s[2]) {
-  double size = hypot(s[0], s[1]), d[2] = {s[0] / size, s[1] / size}, limit = mu * fmax(0, w->z[i]),
+  double size = sqrt(s[0] * s[0] + s[1] * s[1]), d[2] = {s[0] / size, s[1] / size}, limit = mu * fmax(0, w->z[i]),
          part = limit / size;
   for (size_t a = 0; a < 2; a++) {
     double *row = w->A + (i + 1 + a) * w->size;
@@ -138,10 +138,10 @@ static double set_rows(const newton *w, size_t k) {
   double s[2] = {w->z[i + 1] - w->u[i + 1] / across, w->z[i + 2] - w->u[i + 2] / across};
   for (size_t c = 1; c <= 2; c++) {
     if (!pushes) release(w, i + c);
-    if (pushes && hypot(s[0], s[1]) <= mu * fmax(0, w->z[i])) hold(w, i + c);
+    if (pushes && sqrt(s[0] * s[0] + s[1] * s[1]) <= mu * fmax(0, w->z[i])) hold(w, i + c);
   }
-  if (pushes && hypot(s[0], s[1]) > mu * fmax(0, w->z[i])) slip(w, i, mu, across, s);
-  return fmax(left, hypot(w->rhs[i + 1], w->rhs[i + 2]));
+  if (pushes && sqrt(s[0] * s[0] + s[1] * s[1]) > mu * fmax(0, w->z[i])) slip(w, i, mu, across, s);
+  return fmax(left, sqrt(w->rhs[i + 1] * w->rhs[i + 1] + w->rhs[i + 2] * w->rhs[i + 2]));
 }
 
 /* A rhs = rhs by elimination with pivots of columns; false: A is singular. */

@@ -1,6 +1,6 @@
-/* Rigid groups of a scene: of this room alone. */
-#ifndef HK_RIGID_LOOPS_H
-#define HK_RIGID_LOOPS_H
+/* Groups of two to four particles at fixed distances, eight side by side: their steps and their factors. */
+#ifndef HK_RIGID_BUNDLES_H
+#define HK_RIGID_BUNDLES_H
 
 #include <stdbool.h>
 #include <stddef.h>

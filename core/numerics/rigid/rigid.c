@@ -8,7 +8,7 @@
  *
  * HK_RIGID_BUNDLE groups of one size lie side by side in the lanes of a bundle. A lane that has converged stays as it
  * is, so that a group moves as it would alone, to the same bits for vectors of any width. */
-#include "core/numerics/constraints/rigid_loops.h"
+#include "core/numerics/rigid/rigid.h"
 
 #include "core/plugin/widest.h"
 
