@@ -1,5 +1,5 @@
-/* Shapes as scripts describe them: implicit ones (core/scene/meshes/meshes.h), read from a table, their functions called at
- * places; those of rigid bodies, with their moments. */
+/* Shapes as scripts describe them: implicit ones (core/scene/meshes/meshes.h), read from a table, their functions
+ * called at places; those of rigid bodies, with their moments. */
 #ifndef HK_SHAPES_H
 #define HK_SHAPES_H
 

@@ -55,9 +55,9 @@ hk_status hk_sundials_scale(hk_sundials *, hk_system *s, double span);
  * until the host offers more; and a piece between two cuts that is very short says nothing of later steps. */
 double hk_sundials_longest(double h, double planned, double *most);
 
-/* s, the length planned for the step after one of `taken`; `said`: what SUNDIALS says, `left`: what was left until its stop
- * time. It says no more than that, and at the stop no more than before, though it might grow: under a limit `most` of the
- * host, whose stops are no others' (0: there is none), such a step would be the longest for ever. */
+/* s, the length planned for the step after one of `taken`; `said`: what SUNDIALS says, `left`: what was left until its
+ * stop time. It says no more than that, and at the stop no more than before, though it might grow: under a limit `most`
+ * of the host, whose stops are no others' (0: there is none), such a step would be the longest for ever. */
 double hk_sundials_next(double said, double taken, double left, double most);
 
 void hk_sundials_notice(hk_sundials *, double h); /* after a step of h from s->X to `state` */
