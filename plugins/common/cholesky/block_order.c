@@ -3,6 +3,7 @@
 #include "plugins/common/cholesky/block_order.h"
 
 #include <math.h>
+#include <signal.h>
 
 static const double metis_pays = 1e9; /* operations of a factorization with AMD's order, above which METIS is tried */
 
@@ -25,11 +26,20 @@ static cholmod_sparse *graph_of(cholmod_common *common, const hk_matrix *A) {
   return graph;
 }
 
+/* METIS takes these signals for its own errors (signal(), in GKlib), and gives them back without what sigaction had
+ * set. */
+static const int of_metis[] = {SIGABRT, SIGTERM};
+enum { SIGNALS = sizeof of_metis / sizeof *of_metis };
+
 static cholmod_factor *order_by(cholmod_common *common, cholmod_sparse *graph, int ordering) {
+  struct sigaction before[SIGNALS];
   common->nmethods = 1;
   common->method[0].ordering = ordering;
   common->postorder = 1;
-  return cholmod_l_analyze(graph, common);
+  for (int k = 0; k < SIGNALS; k++) sigaction(of_metis[k], NULL, &before[k]);
+  cholmod_factor *L = cholmod_l_analyze(graph, common);
+  for (int k = 0; k < SIGNALS; k++) sigaction(of_metis[k], &before[k], NULL);
+  return L;
 }
 
 static cholmod_factor *best_order(cholmod_common *common, cholmod_sparse *graph, size_t block) {
