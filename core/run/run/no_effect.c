@@ -234,7 +234,7 @@ static unsigned flags_of(const hk_plugin *plugin) {
 static bool needs_no_images(const hk_plugin *plugin) {
   if (plugin->kind == HK_FORCE && !(plugin->force->flags & HK_DEPENDS_ON_X)) return true;
   for (const hk_param *p = plugin->params; p && p->name; p++)
-    if (hk_param_arity(p) > 1) return true;
+    if (hk_param_arity(p) > 1 && !(p->flags & HK_OPTIONAL)) return true;
   return false;
 }
 

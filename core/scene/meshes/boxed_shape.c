@@ -45,5 +45,6 @@ void hk_boxed_shape_bounds(const void *boxed, const double low[3], const double 
   range[0] = least, range[1] = most;
   if (!meets) return;
   hk_implicit_bounds(b->shape, l, h, inner);
-  range[0] = fmin(range[0], inner[0]), range[1] = fmin(range[1], inner[1]);
+  double beyond = least < 0 ? fmin(most, 0) : -INFINITY; /* the shape has no part in what is beyond a face */
+  range[0] = fmin(range[0], inner[0]), range[1] = fmax(fmin(range[1], inner[1]), beyond);
 }
