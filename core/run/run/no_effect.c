@@ -279,6 +279,21 @@ static void warn_without_surface(hk_run *run, const hk_plugin_spec *spec) {
             spec->where, before_text(spec), spec->label, count, p->skin[first].carrier[0]);
 }
 
+/* Forces that keep surfaces apart go by the masses of these, and points of bodies have none. */
+static void warn_of_forces(hk_run *run) {
+  const hk_particles *p = &run->scene->particles;
+  bool touches = false;
+  for (size_t k = 0; k < p->riders && !touches; k++) touches = p->rider[k].touches;
+  for (size_t k = 0; k < run->plugins.kind[HK_FORCE].count && touches; k++) {
+    const hk_plugin_spec *spec = run->plugins.kind[HK_FORCE].item[k]->spec;
+    if (!hk_force_of(spec->plugin)->surfaces.step_limit) continue;
+    hk_warn(&run->warnings,
+            "%s%s%s does not know rigid bodies: where their surfaces meet something, the run ends; let a "
+            "corrector keep them apart",
+            spec->where, before_text(spec), spec->label);
+  }
+}
+
 /* Other correctors move particles by their masses, and know nothing of what holds them together. */
 static void warn_of_bodies(hk_run *run) {
   bool said = false;
@@ -309,4 +324,5 @@ void hk_warn_of_no_effect(hk_run *run) {
   warn_of_loose(run);
   if (run->state.model.box) warn_without_images(run);
   if (run->scene->distances.spec) warn_of_bodies(run);
+  if (run->scene->distances.spec) warn_of_forces(run);
 }
