@@ -100,7 +100,7 @@ struct hk_model {
 
 /* Whether the particle can move, by itself or with what carries it. */
 static inline bool hk_model_moves(const hk_model *m, size_t particle) {
-  return m->inverse_mass[particle] > 0 || m->pin[particle] == HK_PIN_RIDES;
+  return m->inverse_mass[particle] > 0 || (m->riders > 0 && m->pin[particle] == HK_PIN_RIDES);
 }
 
 /* Whether it moves and contact takes it. */
