@@ -61,8 +61,9 @@ typedef struct hk_body_service {
   /* Of the present topology, from 0. 0: no constraint acts, and the other functions need not be called. HK_NO_MEMORY.
    */
   hk_status (*count)(void *self, size_t *bodies);
-  uint32_t (*of)(void *self,
-                 uint32_t particle); /* its body; UINT32_MAX: no equation has it or its carriers, or pins hold them for ever */
+  uint32_t (*of)(
+      void *self,
+      uint32_t particle); /* its body; UINT32_MAX: no equation has it or its carriers, or pins hold them for ever */
   /* The particles of a body, rising; returns how many. Valid until the topology changes, as the next list. */
   size_t (*members)(void *self, uint32_t body, const uint32_t **particle);
   size_t (*edges)(void *self, const uint32_t (**pair)[2]); /* the pairs that an equation of two particles joins */

@@ -35,7 +35,7 @@ enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS
 static const double slack = 0.01, left_by_sweeps = 1e-4;
 
 /* Of the extent of a body: a radius that turns it. */
-static const double shows = 0.1;
+static const double turning = 0.1;
 
 /* Processor time so far, s, for benchmarks, which find it by the names of fields. */
 typedef struct contact_times {
@@ -114,7 +114,7 @@ static void warn_of_balls(const contact *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
     const hk_rider *r = &m->rider[k];
-    if (!r->touches || !(s->base.params.radius > shows * extent_of(view, r)) || in_triangle(m, r->particle)) continue;
+    if (!r->touches || !(s->base.params.radius > turning * extent_of(view, r)) || in_triangle(m, r->particle)) continue;
     s->base.host->warn(
         s->base.host,
         "a ball that is one point of a rigid body is rubbed at its centre: particle %u, of the radius %g "

@@ -72,7 +72,7 @@ typedef struct hk_state {
   hk_body_skin *skin;
   bool *inside;   /* as hk_model has it; NULL: there are no bodies */
   size_t insides; /* its length, the particles of the last remapping */
-  hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
+  hk_view view;   /* the view of X at t, from which the views of plugins are made with their host and selection */
 } hk_state;
 
 /* ---- state.c ---- */
