@@ -38,7 +38,8 @@ typedef struct hk_constraint {
  * pins applied, and the Jacobian J of the equations, an impulse p on the particles changes their velocities by (W - W
  * J^T (J W J^T)^-1 J W) p, the change of least kinetic energy that the equations allow (Gauss's principle; Moreau 1988,
  * Unilateral contact and dry friction in finite freedom dynamics). A body is a set of movable particles that equations
- * join, directly or through each other. One-sided equations join too, but take no part in `respond`: their impulses
+ * join, directly or through each other, and of riders (hk_rider) of these, on which an impulse p is one of weight[k] p
+ * on carrier[k]. One-sided equations join too, but take no part in `respond`: their impulses
  * only push, as those of contacts do, and are solved with these. */
 
 /* sum weight_k x_k of at most four particles: a place on an edge or a face, or the difference of two such places. */
@@ -60,8 +61,9 @@ typedef struct hk_body_service {
   /* Of the present topology, from 0. 0: no constraint acts, and the other functions need not be called. HK_NO_MEMORY.
    */
   hk_status (*count)(void *self, size_t *bodies);
-  uint32_t (*of)(void *self,
-                 uint32_t particle); /* its body; UINT32_MAX: no equation has it, or a pin holds it for ever */
+  uint32_t (*of)(
+      void *self,
+      uint32_t particle); /* its body; UINT32_MAX: no equation has it or its carriers, or pins hold them for ever */
   /* The particles of a body, rising; returns how many. Valid until the topology changes, as the next list. */
   size_t (*members)(void *self, uint32_t body, const uint32_t **particle);
   size_t (*edges)(void *self, const uint32_t (**pair)[2]); /* the pairs that an equation of two particles joins */

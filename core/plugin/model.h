@@ -21,6 +21,7 @@ typedef struct hk_rider {
   uint32_t particle, carriers; /* its index; 1 to HK_CARRIERS of them */
   uint32_t carrier[HK_CARRIERS];
   double weight[HK_CARRIERS]; /* with the sum 1 */
+  bool touches;               /* it is of the surface of its body, see hk_model.inside */
 } hk_rider;
 
 /* The surface of a body, for pictures: its triangles in a frame whose origin, and whose unit points of the three axes,
@@ -92,7 +93,20 @@ struct hk_model {
   const hk_rider *rider;      /* by rising particle */
   size_t skins;
   const hk_body_skin *skin;
+  /* n: within a rigid body, where contact does not take it: what has the body's mass, and points that are not of its
+   * surface (hk_rider.touches). NULL: there are none. */
+  const bool *inside;
 };
+
+/* Whether the particle can move, by itself or with what carries it. */
+static inline bool hk_model_moves(const hk_model *m, size_t particle) {
+  return m->inverse_mass[particle] > 0 || (m->riders > 0 && m->pin[particle] == HK_PIN_RIDES);
+}
+
+/* Whether it moves and contact takes it. */
+static inline bool hk_model_touches(const hk_model *m, size_t particle) {
+  return hk_model_moves(m, particle) && !(m->inside && m->inside[particle]);
+}
 
 /* d, the difference of two positions, becomes that to the nearest image: at most half of the box along each axis that
  * repeats. The opposite difference becomes the opposite, bit by bit, but for ties. */

@@ -13,7 +13,7 @@
  *
  * Particles that constraints join are bodies: their impulses and multipliers are solved together, and positions are
  * brought onto the equations before pairs are examined again (contact/bodies/body_impacts.h). Where they bounce, a step
- * is cut at the landing.
+ * is cut at the landing. Rigid bodies are such bodies, and their surface is what body:surface() names.
  *
  * Beside it, the force `repulsion` pushes before surfaces touch: methods of high order keep their accuracy with it, and
  * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
@@ -27,11 +27,15 @@
 #include "plugins/common/contact/bodies/body_impacts.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
+#include "plugins/kit/vector3.h"
 
 enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 5 /* of 12 that the host allows */ };
 
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
+
+/* Of the extent of a body: a radius that turns it. */
+static const double turning = 0.1;
 
 /* Processor time so far, s, for benchmarks, which find it by the names of fields. */
 typedef struct contact_times {
@@ -89,11 +93,43 @@ static hk_status topology(void *self, const hk_view *view) {
   return status == HK_OK ? open_particles(s, view) : status;
 }
 
+/* m: how far apart the particles are that carry the rider. */
+static double extent_of(const hk_view *view, const hk_rider *r) {
+  double most = 0, d[3];
+  for (uint32_t k = 1; k < r->carriers; k++) {
+    hk_subtract(d, view->x + 3 * (size_t)r->carrier[k], view->x + 3 * (size_t)r->carrier[0]);
+    most = fmax(most, hk_length(d));
+  }
+  return most;
+}
+
+static bool in_triangle(const hk_model *m, uint32_t particle) {
+  for (size_t k = 0; k < 3 * m->triangles.count; k++)
+    if (m->triangles.index[k] == particle) return true;
+  return false;
+}
+
+/* A point of a rigid body with a radius that shows: what touches is at x - R n, and impulses are at x. */
+static void warn_of_balls(const contact *s, const hk_view *view) {
+  const hk_model *m = view->model;
+  for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
+    const hk_rider *r = &m->rider[k];
+    if (!r->touches || !(s->base.params.radius > turning * extent_of(view, r)) || in_triangle(m, r->particle)) continue;
+    s->base.host->warn(
+        s->base.host,
+        "a ball that is one point of a rigid body is rubbed at its centre: particle %u, of the radius %g "
+        "m, so that friction does not turn it; give the body a surface of triangles, body:surface()",
+        m->id[r->particle], s->base.params.radius);
+    return;
+  }
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
   hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
   if (status == HK_OK) status = hk_body_impacts_open(&s->bodies, host);
+  if (status == HK_OK) warn_of_balls(s, view);
   return status == HK_OK ? open_particles(s, view) : status;
 }
 
@@ -206,7 +242,7 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
     if (status != HK_OK || c->reject) break;
     status = solve(s, view, c, &move);
     if (status == HK_OK) status = find_candidates(s, &move);
-    bool returns = s->base.restitution > 0 && hk_contact_candidates_return(found, &move, s->moved, began);
+    bool returns = s->base.restitution > 0 && hk_contact_candidates_return(found, s->moved, began);
     c->reject = returns && !(c->last && s->bodies.count); /* a body rocks in ever shorter bounces: there they end */
   }
   if (status != HK_OK) return status;
@@ -230,7 +266,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
-                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
+                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT | HK_TAKES_BODIES,
                                        .correct = correct,
                                        .contacts = hk_impulse_contact_report,
                                        .contact_points = contact_points};

@@ -6,7 +6,8 @@
  * plates that close, is taken back; where shorter steps do not help, the run ends.
  *
  * Particles that constraints join are bodies, and what joins two of them is an edge: common/obstacles/body_obstacles.h
- * has their law, all of them together. They come after the particles on their own.
+ * has their law, all of them together. Of a rigid body the points of its surface meet obstacles (body:surface()), and
+ * not the particles that have its mass. They come after the particles on their own.
  *
  * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
  * belongs into the step, as the force `penalty` has it. */
@@ -149,8 +150,10 @@ static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   hk_obstacles_sift(t->self->all->set, &(hk_obstacle_moves){t->c->h, t->c->x_before, t->c->v_before, t->c->x, t->c->v},
                     begin, end, near);
   const bool *elsewhere = t->self->bodies.features ? t->self->bodies.taken : NULL;
+  const hk_model *model = t->view->model;
   for (size_t i = begin; i < end; i++)
-    if (near[i - begin] && t->view->model->inverse_mass[i] > 0 && !(elsewhere && elsewhere[i])) meet(t, i, r);
+    if (near[i - begin] && model->inverse_mass[i] > 0 && hk_model_touches(model, i) && !(elsewhere && elsewhere[i]))
+      meet(t, i, r);
 }
 
 static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *all, double h) {
@@ -252,14 +255,14 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   for (size_t i = 0; i < view->n; i++) {
     const double *x = view->x + 3 * i;
     double gap = hk_obstacle_gap(&s->obstacle, &s->obstacle.motion.end, x, i, n);
-    if (!(view->model->inverse_mass[i] > 0) || !(gap <= hk_obstacle_rounding(&s->obstacle, x, x, i))) continue;
+    if (!hk_model_touches(view->model, i) || !(gap <= hk_obstacle_rounding(&s->obstacle, x, x, i))) continue;
     for (int c = 0; c < 3; c++) at[c] = x[c] - hk_obstacle_radius(&s->obstacle, i) * n[c];
     points->add(points->context, at, n);
   }
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
-                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
+                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT | HK_TAKES_BODIES,
                                        .correct = correct,
                                        .violation = violation,
                                        .contact_points = contact_points};

@@ -55,9 +55,13 @@ static int rising(const void *a, const void *b) {
   return (p > q) - (p < q);
 }
 
+static bool is_named(const surfaces *s, size_t i) {
+  return s->left_count && bsearch(&s->model->id[i], s->left_id, s->left_count, sizeof *s->left_id, rising);
+}
+
+/* What the script leaves out, and what is inside of rigid bodies. */
 static void mark_left(surfaces *s) {
-  for (size_t i = 0; i < s->model->n; i++)
-    s->left[i] = s->left_count && bsearch(&s->model->id[i], s->left_id, s->left_count, sizeof *s->left_id, rising);
+  for (size_t i = 0; i < s->model->n; i++) s->left[i] = is_named(s, i) || (s->model->inside && s->model->inside[i]);
 }
 
 static hk_status list(surfaces *s, const hk_view *view) {
@@ -84,7 +88,7 @@ static bool same_left(const surfaces *s, const hk_surface_request *r) {
   size_t count = r->leave ? r->leave->count : 0;
   if (count != s->left_count) return false;
   for (size_t k = 0; k < count; k++)
-    if (!s->left[r->leave->index[k]]) return false;
+    if (!is_named(s, r->leave->index[k])) return false;
   return true;
 }
 

@@ -54,10 +54,24 @@ static void the_gyroscope_goes_round(void **state) {
   if (!(test_json(r.out, "height") > 0.45)) fail_msg("it has fallen to %g m", test_json(r.out, "height"));
 }
 
+/* Each pushes the next one over; what rubs and lands takes energy, and nothing passes. */
+static void the_dominoes_fall(void **state) {
+  (void)state;
+  run("dominoes", "n=2 duration=0.1");
+  double before = test_json(r.out, "energy of the row");
+  near("fallen", 0, 0);
+  run("dominoes", "n=2 duration=0.5");
+  near("fallen", 2, 0);
+  near("intersections", 0, 0);
+  if (!(test_json(r.out, "energy of the row") < before))
+    fail_msg("the energy is %g of %g J", test_json(r.out, "energy of the row"), before);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_handle_turns_over),
       cmocka_unit_test(the_gyroscope_goes_round),
+      cmocka_unit_test(the_dominoes_fall),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

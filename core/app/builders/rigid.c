@@ -4,9 +4,11 @@
  * `velocity` that of its centre of mass, `spin` in rad/s along the axes of the scene.
  *
  * Its handle: body:spin(state), :attitude(state) and the like are of the state that a measure or on_frame gets, or of
- * run:state(); body:point{x, y, z} makes a rider before the run. */
+ * run:state(); body:point{x, y, z} makes a rider before the run, body:surface() those that contact takes. */
+#include "core/app/builders/mesh_handle.h"
 #include "core/app/builders/rigid_bodies.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char rigid_type[] = "hooke.rigid";
@@ -102,44 +104,110 @@ static int ids(lua_State *L) {
   return 1;
 }
 
-uint32_t hk_rigid_add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3]) {
-  hk_rider rider = {.carriers = (uint32_t)r->body.count};
-  hk_error error = {0};
-  const double nowhere[3] = {0};
-  double off = hk_rigid_body_weights(&r->body, y, rider.weight);
+/* The weights of the point y, of a body that has points there. */
+static void find_weights(lua_State *L, const hk_lua_rigid *r, const double y[3], hk_rider *rider) {
+  double off = hk_rigid_body_weights(&r->body, y, rider->weight);
+  rider->carriers = (uint32_t)r->body.count;
   if (off > 1e-9 * r->body.a[0])
     hk_lua_fail(L, HK_BAD_PARAM,
                 "point: {%g, %g, %g} lies %.4g m off the %s that the body is, which has no points there: give it an "
                 "extent across",
                 y[0], y[1], y[2], off, r->body.dimensions == 2 ? "plane" : "line");
-  for (uint32_t k = 0; k < rider.carriers; k++)
-    if (!(fabs(rider.weight[k]) < farthest))
+  for (uint32_t k = 0; k < rider->carriers; k++)
+    if (!(fabs(rider->weight[k]) < farthest))
       hk_lua_fail(
           L, HK_BAD_PARAM,
           "point: {%g, %g, %g} lies a million times as far off as the body reaches, %.3g m: no digits would be left",
           y[0], y[1], y[2], r->body.a[0]);
-  for (uint32_t k = 0; k < rider.carriers; k++) rider.carrier[k] = r->first + k;
+  for (uint32_t k = 0; k < rider->carriers; k++) rider->carrier[k] = r->first + k;
+}
+
+static uint32_t add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3], bool touches) {
+  hk_rider rider = {.touches = touches};
+  hk_error error = {0};
+  const double nowhere[3] = {0};
+  find_weights(L, r, y, &rider);
   hk_limits_take(L, sizeof rider);
   rider.particle = hk_lua_add(L, scene, "point", 1, nowhere, NULL, NULL, 0, scene->particles.group[r->first - 1]);
   if (hk_scene_add_rider(scene, &rider, &error) != HK_OK) hk_lua_raise_for(L, "point", &error);
   return rider.particle;
 }
 
+uint32_t hk_rigid_add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3]) {
+  return add_point(L, scene, r, y, false);
+}
+
+static hk_scene *editable(lua_State *L, const char *what) {
+  lua_getiuservalue(L, 1, 1);
+  hk_scene *scene = hk_lua_scene(L, -1);
+  if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "%s: the scene runs and can no longer be edited", what);
+  return scene;
+}
+
 static int point(lua_State *L) {
   const hk_lua_rigid *r = self(L);
   double y[3];
   hk_lua_vector(L, 2, "body:point{x, y, z}", y);
-  lua_getiuservalue(L, 1, 1);
-  hk_scene *scene = hk_lua_scene(L, -1);
-  if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "point: the scene runs and can no longer be edited");
+  hk_scene *scene = editable(L, "point");
   lua_pushinteger(L, hk_rigid_add_point(L, scene, r, y));
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"ids", ids},           {"point", point}, {"position", position}, {"velocity", velocity},
-    {"attitude", attitude}, {"spin", spin},   {"momentum", momentum}, {"angular_momentum", angular_momentum},
-    {"energy", energy},     {NULL, NULL}};
+/* body:surface { {x, y, z}, ... }: a list of ids. */
+static int surface_points(lua_State *L, hk_scene *scene, const hk_lua_rigid *r) {
+  lua_Integer count = luaL_len(L, 2);
+  double y[3];
+  lua_createtable(L, (int)count, 0);
+  for (lua_Integer k = 1; k <= count; k++) {
+    lua_geti(L, 2, k);
+    hk_lua_vector(L, -1, "body:surface { {x, y, z}, ... }", y);
+    lua_pop(L, 1);
+    lua_pushinteger(L, add_point(L, scene, r, y, true));
+    lua_rawseti(L, -2, k);
+  }
+  return 1;
+}
+
+/* body:surface(): the vertices of its triangles, as a handle that has these and their sides. */
+static int surface(lua_State *L) {
+  const hk_lua_rigid *r = self(L);
+  hk_scene *scene = editable(L, "surface");
+  const hk_body_skin *skin = NULL;
+  hk_lua_handle h = {.ny = 1};
+  if (lua_istable(L, 2)) return surface_points(L, scene, r);
+  for (size_t k = 0; k < scene->particles.skins; k++)
+    if (scene->particles.skin[k].carrier[0] == r->first) skin = &scene->particles.skin[k];
+  if (!skin || skin->triangles == 0)
+    hk_lua_fail(L, HK_BAD_PARAM,
+                "surface: this body has no triangles: name points of it, as in body:surface { {0, 0, 1}, ... }");
+  hk_mesh *m = hk_mesh_new(L);
+  m->vertex = malloc((3 * skin->vertices + 1) * sizeof *m->vertex);
+  m->triangle = malloc((skin->triangles + 1) * sizeof *m->triangle);
+  if (!m->vertex || !m->triangle)
+    hk_lua_fail(L, HK_NO_MEMORY, "surface: no memory for %d vertices", (int)skin->vertices);
+  m->vertices = skin->vertices, m->triangles = skin->triangles;
+  memcpy(m->vertex, skin->vertex, 3 * m->vertices * sizeof *m->vertex);
+  memcpy(m->triangle, skin->triangle, m->triangles * sizeof *m->triangle);
+  for (size_t k = 0; k < m->vertices; k++) {
+    uint32_t id = add_point(L, scene, r, m->vertex + 3 * k, true);
+    if (k == 0) h.first = id;
+  }
+  h.count = h.nx = (uint32_t)m->vertices;
+  hk_mesh_enter(L, scene, m, h, false);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"ids", ids},
+                                   {"point", point},
+                                   {"surface", surface},
+                                   {"position", position},
+                                   {"velocity", velocity},
+                                   {"attitude", attitude},
+                                   {"spin", spin},
+                                   {"momentum", momentum},
+                                   {"angular_momentum", angular_momentum},
+                                   {"energy", energy},
+                                   {NULL, NULL}};
 
 /* mass, center, inertia and axes, the principal ones as rows; and the methods. */
 static int member(lua_State *L) {
@@ -208,13 +276,17 @@ static void add_particles(lua_State *L, hk_scene *scene, hk_lua_rigid *r) {
   lua_pop(L, 1);
 }
 
-/* The weights of the frame's origin, and of its axes. A flat body has none across it, a rod one axis only. */
+/* The weights of the frame's origin, and of its axes. A flat body has none across it, a rod one axis only: these have
+ * no triangles, and their skin says only which particles they are made of. */
 static void add_skin(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const hk_mesh *m) {
   hk_error error = {0};
-  hk_body_skin skin = {.carriers = (uint32_t)r->body.count, .vertices = m->vertices, .triangles = m->triangles};
-  if (m->triangles == 0 || r->body.dimensions < 3) return;
-  hk_rigid_body_weights(&r->body, (const double[3]){0}, skin.origin);
-  for (int k = 0; k < 3; k++) {
+  hk_body_skin skin = {.carriers = (uint32_t)r->body.count};
+  bool solid = m->triangles > 0 && r->body.dimensions == 3;
+  if (solid) {
+    skin.vertices = m->vertices, skin.triangles = m->triangles;
+    hk_rigid_body_weights(&r->body, (const double[3]){0}, skin.origin);
+  }
+  for (int k = 0; k < 3 && solid; k++) {
     double unit[3] = {k == 0, k == 1, k == 2};
     hk_rigid_body_weights(&r->body, unit, skin.axis[k]);
     for (int c = 0; c < HK_CARRIERS; c++) skin.axis[k][c] -= skin.origin[c];

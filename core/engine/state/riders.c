@@ -17,26 +17,45 @@ static int by_particle(const void *a, const void *b) {
   return (p->particle > q->particle) - (p->particle < q->particle);
 }
 
+/* What carries others is inside of its body, and so are points that do not touch. */
+static void mark_inside(hk_state *s, const hk_rider *r) {
+  s->inside[r->particle] = !r->touches;
+  for (uint32_t c = 0; c < r->carriers; c++) s->inside[r->carrier[c]] = true;
+}
+
+/* The surfaces of bodies; those without triangles say only what their body is made of. */
+static void open_skins(hk_state *s, const hk_particles *p) {
+  for (size_t k = 0; k < p->skins; k++) {
+    hk_body_skin *skin = &s->skin[s->model.skins];
+    *skin = p->skin[k];
+    for (uint32_t c = 0; c < skin->carriers; c++) {
+      skin->carrier[c] = index_of(s, skin->carrier[c]);
+      s->inside[skin->carrier[c]] = true;
+    }
+    s->model.skins += skin->triangles > 0;
+  }
+}
+
 hk_status hk_riders_open(hk_state *s, hk_error *error) {
   const hk_particles *p = s->start;
   if (p->riders + p->skins == 0) return HK_OK;
   s->rider = malloc((p->riders + 1) * sizeof *s->rider);
   s->skin = malloc((p->skins + 1) * sizeof *s->skin);
-  if (!s->rider || !s->skin) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu riders", p->riders);
+  s->insides = s->model.n;
+  s->inside = calloc(s->insides + 1, sizeof *s->inside);
+  if (!s->rider || !s->skin || !s->inside)
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu riders", p->riders);
   for (size_t k = 0; k < p->riders; k++) {
     hk_rider *r = &s->rider[k];
     *r = p->rider[k];
     r->particle = index_of(s, r->particle);
     for (uint32_t c = 0; c < r->carriers; c++) r->carrier[c] = index_of(s, r->carrier[c]);
     s->pin[r->particle] = HK_PIN_RIDES;
+    mark_inside(s, r);
   }
   qsort(s->rider, p->riders, sizeof *s->rider, by_particle);
-  for (size_t k = 0; k < p->skins; k++) {
-    s->skin[k] = p->skin[k];
-    for (uint32_t c = 0; c < s->skin[k].carriers; c++) s->skin[k].carrier[c] = index_of(s, s->skin[k].carrier[c]);
-  }
+  open_skins(s, p);
   s->model.riders = p->riders;
-  s->model.skins = p->skins;
   hk_state_refresh(s);
   return HK_OK;
 }
@@ -86,6 +105,19 @@ static bool has_lost(const uint32_t *map, uint32_t carriers, uint32_t *carrier) 
   return lost;
 }
 
+/* To the present particles; the newborn are in no body. */
+static hk_status remap_inside(hk_state *s, const uint32_t *map, hk_error *error) {
+  if (!s->inside) return HK_OK;
+  bool *inside = calloc(s->model.n + 1, sizeof *inside);
+  if (!inside) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", s->model.n);
+  for (size_t i = 0; i < s->insides; i++)
+    if (map[i] != UINT32_MAX) inside[map[i]] = s->inside[i];
+  free(s->inside);
+  s->model.inside = s->inside = inside;
+  s->insides = s->model.n;
+  return HK_OK;
+}
+
 hk_status hk_riders_remap(hk_state *s, const uint32_t *map, hk_error *error) {
   size_t kept = 0;
   for (size_t k = 0; k < s->model.riders; k++) {
@@ -106,5 +138,5 @@ hk_status hk_riders_remap(hk_state *s, const uint32_t *map, hk_error *error) {
     if (!has_lost(map, skin.carriers, skin.carrier)) s->skin[kept++] = skin;
   }
   s->model.skins = kept;
-  return HK_OK;
+  return remap_inside(s, map, error);
 }

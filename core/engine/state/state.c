@@ -69,6 +69,7 @@ void hk_state_point(hk_state *s) {
   m->t = s->t;
   m->rider = s->rider;
   m->skin = s->skin;
+  m->inside = s->inside;
   m->edges.index = &s->edge[0][0];
   m->triangles.index = &s->triangle[0][0];
   s->view = (hk_view){.t = s->t, .n = n, .x = s->X, .v = s->X + 3 * n, .model = m, .acting = n};
@@ -139,7 +140,7 @@ hk_status hk_state_open(hk_state *s, const hk_particles *p, uint32_t *places, hk
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->id, s->group, s->pin, s->edge, s->triangle, s->channel, s->by_id, s->rider, s->skin};
+  void *arrays[] = {s->id, s->group, s->pin, s->edge, s->triangle, s->channel, s->by_id, s->rider, s->skin, s->inside};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   hk_memory_clear(&s->numbers);
 }

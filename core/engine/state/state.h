@@ -70,7 +70,9 @@ typedef struct hk_state {
   uint32_t (*edge)[2], (*triangle)[3];
   hk_rider *rider;
   hk_body_skin *skin;
-  hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
+  bool *inside;   /* as hk_model has it; NULL: there are no bodies */
+  size_t insides; /* its length, the particles of the last remapping */
+  hk_view view;   /* the view of X at t, from which the views of plugins are made with their host and selection */
 } hk_state;
 
 /* ---- state.c ---- */

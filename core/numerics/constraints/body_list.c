@@ -1,6 +1,7 @@
 /* Which particles equations join: the connected components of the graph whose vertices are the particles that can move
  * and whose edges are the equations. A particle that a pin holds to the end joins nothing, so that ten pendulums on one
- * nail are ten bodies. The lists are made when they are first asked for and after births and deaths. */
+ * nail are ten bodies. A rider is of the body of its carriers, which it joins. The lists are made when they are first
+ * asked for and after births and deaths. */
 #include "core/numerics/constraints/body_list.h"
 
 #include <stdlib.h>
@@ -35,6 +36,21 @@ static void join(const hk_body_list *s, uint32_t *first) {
     uint32_t one = root_of(s->of, first[k]), other = root_of(s->of, i);
     s->of[one > other ? one : other] = one > other ? other : one;
   }
+}
+
+/* Riders with those of their carriers that are in equations; marked: room for a number per particle. */
+static void join_riders(const hk_body_list *s, uint32_t *marked) {
+  const hk_model *m = &s->dynamics->state->model;
+  const hk_constraints *c = s->dynamics->constraints;
+  if (m->riders == 0) return;
+  memset(marked, 0, s->particles * sizeof *marked);
+  for (size_t b = 0; b < c->blocks; b++) marked[c->list.pair[b][1]] |= !hk_constraint_held(s->dynamics, c->pin[b]);
+  for (size_t r = 0; r < m->riders; r++)
+    for (uint32_t k = 0; k < m->rider[r].carriers; k++) {
+      if (!marked[m->rider[r].carrier[k]]) continue;
+      uint32_t one = root_of(s->of, m->rider[r].carrier[k]), other = root_of(s->of, m->rider[r].particle);
+      s->of[one > other ? one : other] = one > other ? other : one;
+    }
 }
 
 /* From roots to numbers of bodies, by their first particles; who is in no equation is in none. */
@@ -132,6 +148,7 @@ static hk_status build(hk_body_list *s) {
   if (!first || !room) status = no_memory(s);
   if (status == HK_OK) {
     join(s, first);
+    join_riders(s, s->member);
     number(s, first, room);
     list(s, first, room);
     find_edges(s, room);

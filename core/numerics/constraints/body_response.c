@@ -109,6 +109,30 @@ static void move_free(const hk_body_list *s, uint32_t particle, double weight, c
   for (int a = 0; a < 3; a++) out[a] += weight * d->state->inverse_mass[particle] * change[a];
 }
 
+/* The same of a particle with its weight in a point of the body; of a rider on its carriers. */
+static void move_point(const hk_body_list *s, uint32_t particle, double weight, const double impulse[3],
+                       double *response) {
+  const hk_rider *r =
+      s->dynamics->state->pin[particle] == HK_PIN_RIDES ? hk_model_rider(&s->dynamics->state->model, particle) : NULL;
+  if (!r) move_free(s, particle, weight, impulse, response + 3 * (size_t)particle);
+  for (uint32_t k = 0; r && k < r->carriers; k++)
+    move_free(s, r->carrier[k], weight * r->weight[k], impulse, response + 3 * (size_t)r->carrier[k]);
+}
+
+/* The riders of the body move with their carriers. */
+static void carry_riders(const hk_body_list *s, uint32_t body, double *response) {
+  const hk_state *state = s->dynamics->state;
+  for (size_t e = s->member_start[body]; e < s->member_start[body + 1] && state->model.riders; e++) {
+    uint32_t i = s->member[e];
+    const hk_rider *r = state->pin[i] == HK_PIN_RIDES ? hk_model_rider(&state->model, i) : NULL;
+    double *out = response + 3 * (size_t)i;
+    if (r) out[0] = out[1] = out[2] = 0;
+    for (uint32_t k = 0; r && k < r->carriers; k++)
+      if (s->of[r->carrier[k]] == body)
+        for (int a = 0; a < 3; a++) out[a] += r->weight[k] * response[3 * (size_t)r->carrier[k] + (size_t)a];
+  }
+}
+
 /* z: the scaled right-hand side on entry and the solution on return, by the equations of the body in their order. */
 static hk_status solve_body(hk_body_list *s, uint32_t body, double *z) {
   hk_dynamics *d = s->dynamics;
@@ -143,7 +167,7 @@ static hk_status respond_body(hk_body_list *s, uint32_t body, const hk_weighted_
     memset(response + 3 * (size_t)s->member[e], 0, 3 * sizeof *response);
   for (int k = 0; k < 4; k++) {
     uint32_t i = p->particle[k];
-    if (p->weight[k] != 0 && s->of[i] == body) move_free(s, i, p->weight[k], impulse, response + 3 * (size_t)i);
+    if (p->weight[k] != 0 && s->of[i] == body) move_point(s, i, p->weight[k], impulse, response);
   }
   memset(z, 0, (s->row_start[body + 1] - s->row_start[body]) * sizeof *z);
   for (size_t e = s->block_at[body]; e < s->block_at[body + 1]; e++) {
@@ -156,6 +180,7 @@ static hk_status respond_body(hk_body_list *s, uint32_t body, const hk_weighted_
     if (s->of[i] != body) continue;
     for (int a = 0; a < 3; a++) response[3 * (size_t)i + (size_t)a] += c->scale[k] * z[s->local[k]] * c->WJ[b][a];
   }
+  carry_riders(s, body, response);
   return status;
 }
 

@@ -202,11 +202,14 @@ static void rattle_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 bool hk_rigid_groups_shake(hk_dynamics *d, double *from, double h, double *x, double *v) {
   work w = {d->constraints->groups, d->shared->lanes, h, from, x, v, NULL, false};
   hk_threads_for(d->shared->threads, w.groups->bundles, GRAIN, shake_chunk, &w);
+  hk_riders_follow(d->constraints->model, x);
+  hk_riders_follow(d->constraints->model, v);
   return !w.failed;
 }
 
 hk_status hk_rigid_groups_rattle(hk_dynamics *d, double *x, double h, double *v) {
   work w = {d->constraints->groups, d->shared->lanes, h, NULL, x, v, d->constraints->lambda, false};
   hk_threads_for(d->shared->threads, w.groups->bundles, GRAIN, rattle_chunk, &w);
+  hk_riders_follow(d->constraints->model, v);
   return HK_OK;
 }

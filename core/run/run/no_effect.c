@@ -257,10 +257,52 @@ static void warn_without_images(hk_run *run) {
             "or add a force between particles that are near each other");
 }
 
-/* Correctors move particles by their masses, and know nothing of what holds them together. */
+/* ---- rigid bodies ---- */
+
+static bool has_surface(const hk_particles *p, const hk_body_skin *body) {
+  bool found = false;
+  for (size_t k = 0; k < p->riders && !found; k++)
+    found = p->rider[k].touches && p->rider[k].carrier[0] == body->carrier[0];
+  return found;
+}
+
+/* Bodies that meet nothing, as no point of them is said to be of their surface. */
+static void warn_without_surface(hk_run *run, const hk_plugin_spec *spec) {
+  const hk_particles *p = &run->scene->particles;
+  size_t count = 0, first = 0;
+  for (size_t k = p->skins; k-- > 0;)
+    if (!has_surface(p, &p->skin[k])) count++, first = k;
+  if (count > 0)
+    hk_warn(&run->warnings,
+            "%s%s%s meets %zu rigid bodies nowhere, such as that of particle %u: they have no surface; name it with "
+            "body:surface()",
+            spec->where, before_text(spec), spec->label, count, p->skin[first].carrier[0]);
+}
+
+/* Forces that keep surfaces apart go by the masses of these, and points of bodies have none. */
+static void warn_of_forces(hk_run *run) {
+  const hk_particles *p = &run->scene->particles;
+  bool touches = false;
+  for (size_t k = 0; k < p->riders && !touches; k++) touches = p->rider[k].touches;
+  for (size_t k = 0; k < run->plugins.kind[HK_FORCE].count && touches; k++) {
+    const hk_plugin_spec *spec = run->plugins.kind[HK_FORCE].item[k]->spec;
+    if (!hk_force_of(spec->plugin)->surfaces.step_limit) continue;
+    hk_warn(&run->warnings,
+            "%s%s%s does not know rigid bodies: where their surfaces meet something, the run ends; let a "
+            "corrector keep them apart",
+            spec->where, before_text(spec), spec->label);
+  }
+}
+
+/* Other correctors move particles by their masses, and know nothing of what holds them together. */
 static void warn_of_bodies(hk_run *run) {
+  bool said = false;
   for (size_t k = 0; k < run->plugins.kind[HK_CORRECTOR].count; k++) {
     const hk_plugin_spec *spec = run->plugins.kind[HK_CORRECTOR].item[k]->spec;
+    bool takes = spec->plugin->corrector->flags & HK_TAKES_BODIES;
+    if (takes && !said) warn_without_surface(run, spec);
+    said |= takes;
+    if (takes) continue;
     hk_warn(&run->warnings,
             "%s%s%s does not know rigid bodies: it moves their particles one by one, and takes their points for "
             "immovable; let a force act on points of the bodies instead",
@@ -282,4 +324,5 @@ void hk_warn_of_no_effect(hk_run *run) {
   warn_of_loose(run);
   if (run->state.model.box) warn_without_images(run);
   if (run->scene->distances.spec) warn_of_bodies(run);
+  if (run->scene->distances.spec) warn_of_forces(run);
 }

@@ -129,8 +129,8 @@ hk_status hk_scene_add_skin(hk_scene *scene, const hk_body_skin *skin, hk_error 
     free(triangle);
     return no_memory(error);
   }
-  memcpy(vertex, skin->vertex, numbers);
-  memcpy(triangle, skin->triangle, corners);
+  if (numbers) memcpy(vertex, skin->vertex, numbers);
+  if (corners) memcpy(triangle, skin->triangle, corners);
   hk_body_skin *copy = &p->skin[p->skins++];
   *copy = *skin;
   copy->vertex = vertex;

@@ -10,6 +10,7 @@ typedef struct hk_body_contact {
   const hk_obstacle *obstacle;
   size_t index; /* of the feature and the obstacle, in hk_body_obstacles.solved */
   hk_obstacle_feature feature;
+  const hk_rider *rider; /* of a rider with a radius, on four carriers: it is touched at its surface; else NULL */
   hk_feature_way way;
 } hk_body_contact;
 

@@ -44,7 +44,8 @@ static hk_status make_room(hk_body_obstacles *s, const hk_view *view) {
 /* ---- the features ---- */
 
 static void add(hk_body_obstacles *s, const hk_model *model, uint32_t i, uint32_t j, const hk_obstacle *against) {
-  if (model->inverse_mass[i] > 0 || model->inverse_mass[j] > 0)
+  bool within = model->inside && (model->inside[i] || model->inside[j]);
+  if (!within && (hk_model_moves(model, i) || hk_model_moves(model, j)))
     s->feature[s->features++] = (hk_obstacle_feature){{i, j}, against};
 }
 
@@ -126,6 +127,15 @@ static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   }
 }
 
+/* The rider of a contact whose point of contact is not where the rider is. */
+static const hk_rider *rolling(const hk_body_obstacles *s, const hk_body_contact *k) {
+  const hk_model *model = s->impacts.model;
+  uint32_t i = k->feature.end[0];
+  if (i != k->feature.end[1] || model->pin[i] != HK_PIN_RIDES || !(hk_obstacle_radius(k->obstacle, i) > 0)) return NULL;
+  const hk_rider *r = hk_model_rider(model, i);
+  return r && r->carriers == 4 ? r : NULL;
+}
+
 static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m) {
   hk_status status = HK_OK;
   const hk_host *host = s->impacts.host;
@@ -134,8 +144,9 @@ static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m)
   host->parallel_for(host, s->features * s->set->count, GRAIN, sift_chunk, &t);
   for (size_t f = 0; f < s->features; f++)
     for (size_t o = 0; o < s->set->count && status == HK_OK; o++) {
-      hk_body_contact k = {s->set->member[o], f * s->set->count + o, s->feature[f], {.touches = false}};
+      hk_body_contact k = {s->set->member[o], f * s->set->count + o, s->feature[f], NULL, {.touches = false}};
       if (!s->near[k.index]) continue;
+      k.rider = rolling(s, &k);
       k.way = hk_feature_way_of(k.obstacle, m, &k.feature, hk_body_contact_touching(k.obstacle, m, &k.feature));
       bool edge = k.feature.end[0] != k.feature.end[1];
       if (!k.way.touches || (edge && !k.way.to.inside_of_edge && !k.way.at.inside_of_edge)) continue;
@@ -223,9 +234,8 @@ static hk_status contradiction(const hk_body_obstacles *s, const hk_view *view, 
   *reject = worst->way.from.gap > -most;          /* what starts inside comes out in some steps */
   if (s->impacts.count)
     status = s->impacts.bodies->mobility(s->impacts.bodies->self, &point, worst->way.to.n, &mobility);
-  if (status != HK_OK || mobility > 1e-9 * fmax(view->model->inverse_mass[end[0]], view->model->inverse_mass[end[1]]) ||
-      !(-worst->way.to.gap > worth_saying))
-    return status;
+  double free_mobility = fmax(hk_free_mobility(view->model, end[0]), hk_free_mobility(view->model, end[1]));
+  if (status != HK_OK || mobility > 1e-9 * free_mobility || !(-worst->way.to.gap > worth_saying)) return status;
   return s->impacts.host->fail(
       s->impacts.host, HK_FAILED,
       "particles %u and %u are inside an obstacle by %.3g m at t = %g s, and pins and constraints let nothing move "

@@ -68,7 +68,7 @@ hk_inside hk_obstacle_inside(const hk_obstacle *o, const hk_view *view) {
   hk_inside found = {0};
   double n[3];
   for (size_t i = 0; i < view->n; i++) {
-    if (view->model->inverse_mass[i] == 0) continue;
+    if (!hk_model_touches(view->model, i)) continue;
     double depth = -hk_obstacle_gap(o, &o->motion.end, view->x + 3 * i, i, n);
     if (!(depth > hk_obstacle_rounding(o, view->x + 3 * i, view->x + 3 * i, i))) continue;
     found.count++;

@@ -29,6 +29,7 @@ void hk_body_impacts_topology(hk_body_impacts *s) {
 
 hk_status hk_body_impacts_begin(hk_body_impacts *s, const hk_view *view, bool needed) {
   hk_status status = s->bodies->count(s->bodies->self, &s->count);
+  s->model = view->model;
   if (status != HK_OK || s->place || (s->count == 0 && !needed)) return status;
   s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
   s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
@@ -87,7 +88,9 @@ static hk_status relax(sweeping *w, size_t e) {
   if (level->push == 0 && !(level->target > hk_dot(r, k->frame.n))) return HK_OK;
   hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
   if (status != HK_OK) return status;
-  for (int i = 0; i < 4; i++) free_mobility += k->frame.w[i] * k->frame.w[i] * w->move->inverse_mass[k->pair.vertex[i]];
+  for (int i = 0; i < 4; i++)
+    if (k->frame.w[i] != 0)
+      free_mobility += k->frame.w[i] * k->frame.w[i] * hk_free_mobility(w->bodies->model, k->pair.vertex[i]);
   if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
   double mu = hk_body_friction(w->bodies, w->solver, e);
   hk_body_contact_solve(k, level, response->G, mu, r, change);

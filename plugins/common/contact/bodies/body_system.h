@@ -15,6 +15,7 @@ typedef struct hk_body_response {
 typedef struct hk_body_impacts {
   const hk_host *host;
   const hk_body_service *bodies;
+  const hk_model *model;
   size_t n;                /* particles */
   size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
   const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
@@ -38,6 +39,14 @@ typedef struct hk_body_impacts {
   size_t matrix_room;
   size_t *unknown, unknown_room;
 } hk_body_impacts;
+
+/* 1/kg: what the mobility of the particle would be if no equation held it, or what carries it. */
+static inline double hk_free_mobility(const hk_model *m, uint32_t particle) {
+  const hk_rider *r = m->pin[particle] == HK_PIN_RIDES ? hk_model_rider(m, particle) : NULL;
+  double sum = m->inverse_mass[particle];
+  for (uint32_t k = 0; r && k < r->carriers; k++) sum += r->weight[k] * r->weight[k] * m->inverse_mass[r->carrier[k]];
+  return sum;
+}
 
 /* Of impact e: Coulomb's coefficient; 0 of one-sided equations. */
 static inline double hk_body_friction(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e) {

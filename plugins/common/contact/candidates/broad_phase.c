@@ -51,14 +51,14 @@ static bool is_held(const hk_broad_phase *s, const hk_surface_item *item) {
 bool hk_broad_phase_pins_kept(const hk_broad_phase *s) {
   const hk_surface_mesh *m = &s->lists->mesh;
   bool kept = s->ordered;
-  for (size_t k = 0; k < m->points; k++) kept &= (s->model->inverse_mass[m->point[k]] == 0) == s->held[m->point[k]];
+  for (size_t k = 0; k < m->points; k++) kept &= !hk_model_moves(s->model, m->point[k]) == s->held[m->point[k]];
   return kept;
 }
 
 static void order_items(hk_broad_phase *s) {
   const hk_surface_lists *l = s->lists;
   size_t count = 0;
-  for (size_t k = 0; k < l->mesh.points; k++) s->held[l->mesh.point[k]] = s->model->inverse_mass[l->mesh.point[k]] == 0;
+  for (size_t k = 0; k < l->mesh.points; k++) s->held[l->mesh.point[k]] = !hk_model_moves(s->model, l->mesh.point[k]);
   for (int pass = 0; pass < 2; pass++) {
     for (uint32_t k = 0; k < s->items.count; k++)
       if (is_held(s, &s->items.item[k]) == (pass == 1)) s->order[count++] = k;

@@ -293,7 +293,7 @@ static void measure(hk_pair_cache *s, const double *x) {
 static bool pins_kept(hk_pair_cache *s) {
   bool kept = true;
   for (size_t i = 0; i < s->n; i++) {
-    bool held = s->model->inverse_mass[i] == 0;
+    bool held = !hk_model_moves(s->model, i);
     kept &= held == s->held[i];
     s->held[i] = held;
   }

@@ -122,7 +122,7 @@ static void move_chunk(void *context, size_t begin, size_t end, size_t chunk) {
       size_t i = t->member[e];
       widen(&box, w->x_from + 3 * i, w->p->radius[i]);
       widen(&box, w->x_to + 3 * i, w->p->radius[i]);
-      held &= w->p->model->inverse_mass[i] == 0;
+      held &= !hk_model_moves(w->p->model, i);
     }
     w->p->box[k] = box;
     w->p->held[k] = held;

@@ -46,7 +46,7 @@ static int in_order(const void *left, const void *right) {
 }
 
 static bool can_meet(const hk_surface_mesh *m, const hk_view *view, uint32_t i) {
-  return view->model->inverse_mass[i] > 0 && m->radius[i] > 0;
+  return hk_model_moves(view->model, i) && m->radius[i] > 0;
 }
 
 /* 0: no particle can meet another. */

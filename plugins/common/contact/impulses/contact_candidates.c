@@ -208,13 +208,12 @@ void hk_contact_candidates_remember(hk_contact_candidates *s, const hk_contact_s
   s->solved = true;
 }
 
-bool hk_contact_candidates_return(const hk_contact_candidates *s, const hk_step_move *move, const uint64_t *moved,
-                                  uint64_t since) {
+bool hk_contact_candidates_return(const hk_contact_candidates *s, const uint64_t *moved, uint64_t since) {
   for (size_t e = 0; e < s->count; e++) {
     if (!s->result[s->candidate[e]].enters) continue;
     const uint32_t *vertex = s->cache->pair[s->cache->index[s->candidate[e]]].vertex;
     for (int i = 0; i < 4; i++)
-      if (move->inverse_mass[vertex[i]] > 0 && moved[vertex[i]] > since) return true;
+      if (hk_model_moves(s->cache->model, vertex[i]) && moved[vertex[i]] > since) return true;
   }
   return false;
 }

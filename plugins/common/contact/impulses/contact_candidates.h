@@ -54,8 +54,7 @@ hk_status hk_contact_candidates_impacts(hk_contact_candidates *, const hk_step_m
 void hk_contact_candidates_remember(hk_contact_candidates *, const hk_contact_solver *);
 /* Whether a candidate enters its gap (narrow_phase.h) on the present move after the solver moved one of its particles,
  * later than the count `since` of hk_contact_solver.now: a second impact in the step, which a straight move misses. */
-bool hk_contact_candidates_return(const hk_contact_candidates *, const hk_step_move *, const uint64_t *moved,
-                                  uint64_t since);
+bool hk_contact_candidates_return(const hk_contact_candidates *, const uint64_t *moved, uint64_t since);
 
 /* Pairs that overlap by more than the slack at the start of the step. */
 typedef struct hk_closed_candidates {

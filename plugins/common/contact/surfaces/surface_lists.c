@@ -212,11 +212,10 @@ static void number_parts(builder *b) {
 
 static void find_radii(builder *b) {
   const hk_surface_mesh *m = &b->lists->mesh;
-  const double *inverse_mass = b->view->model->inverse_mass;
   bool *moves = b->in_strand; /* by part */
   memset(moves, 0, b->view->n * sizeof *moves);
   for (size_t k = 0; k < m->points; k++)
-    moves[b->lists->part[b->lists->point[k]]] |= inverse_mass[b->lists->point[k]] > 0;
+    moves[b->lists->part[b->lists->point[k]]] |= hk_model_moves(b->view->model, b->lists->point[k]);
   for (size_t k = 0; k < m->points; k++) {
     uint32_t i = b->lists->point[k];
     double thickness = moves[b->lists->part[i]] ? b->request->thickness : b->request->body_thickness;

@@ -46,6 +46,17 @@ static void shapes_have_their_mass_and_moments(void **state) {
   near(measured(mesh, "b.mass + b:position(s)[1]"), 4 + 1.5, 1e-14);
 }
 
+static void surfaces_are_points_of_bodies(void **state) {
+  (void)state;
+  const char *box = "local b = scene:rigid { shape = 'box', size = {1, 2, 3}, mass = 12, position = {0, 0, 1} }\n"
+                    "local f = b:surface()\nlocal p = b:surface { {0.5, 0, 0}, {0, 0, 1} }";
+  near(measured(box, "#f:triangles() + 100 * #f:edges() + 1e4 * #f:ids()"), 12 + 1800 + 8e4, 0);
+  near(measured(box, "math.abs(s:position(f:ids()[1])[3] - 1)"), 1.5, 1e-14);
+  near(measured(box, "#p + s:position(p[2])[3]"), 4, 1e-14);
+  test_refused("local scene = hooke.scene {}\nscene:rigid { mass = 1, inertia = {1, 1, 1} }:surface()\nreturn scene\n",
+               "--quiet", 1, "this body has no triangles: name points of it");
+}
+
 static void parts_are_one_body(void **state) {
   (void)state;
   const char *halves =
@@ -127,6 +138,7 @@ static void points_that_a_body_has_not_are_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(shapes_have_their_mass_and_moments),
+      cmocka_unit_test(surfaces_are_points_of_bodies),
       cmocka_unit_test(parts_are_one_body),
       cmocka_unit_test(orientations_mean_the_same_in_three_forms),
       cmocka_unit_test(motions_are_read_as_they_were_given),

@@ -170,6 +170,28 @@ static void deaths_take_the_riders_of_a_body_with_it(void **state) {
   }
 }
 
+/* What carries, and points that are not of a surface, are inside of a body; the newborn and others are not. */
+static void contact_takes_the_surface_of_bodies(void **state) {
+  (void)state;
+  test_engine e;
+  test_engine_open(&e);
+  for (int k = 0; k < 3; k++) test_particle(&e, k, 0, 0, 1);
+  for (int k = 0; k < 2; k++) {
+    hk_rider r = {test_particle(&e, 0, 0, 0, 0), 2, {1, 2}, {0.5, 0.5}, k == 0};
+    assert_int_equal(hk_scene_add_rider(e.scene, &r, &e.error), HK_OK);
+  }
+  test_run(&e);
+  const hk_model *m = &e.run->state.model;
+  const bool touches[5] = {false, false, true, true, false};
+  for (size_t i = 0; i < 5; i++) assert_true(hk_model_moves(m, i) && hk_model_touches(m, i) == touches[i]);
+  const uint32_t map[5] = {1, 2, UINT32_MAX, 3, 4};
+  hk_state *s = &e.run->state;
+  assert_int_equal(hk_riders_remap(s, map, &e.error), HK_OK);
+  const bool inside[5] = {false, true, true, false, true};
+  assert_memory_equal(m->inside, inside, sizeof inside);
+  test_engine_close(&e);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(riders_are_where_their_carriers_put_them),
@@ -178,6 +200,7 @@ int main(void) {
       cmocka_unit_test(results_have_the_same_bits_for_any_number_of_threads),
       cmocka_unit_test(the_stable_step_is_foretold),
       cmocka_unit_test(what_cannot_ride_is_refused),
+      cmocka_unit_test(contact_takes_the_surface_of_bodies),
       cmocka_unit_test(deaths_take_the_riders_of_a_body_with_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -60,6 +60,38 @@ static void a_rod_has_the_mobility_of_a_rigid_body(void **state) {
   }
 }
 
+/* A dumb-bell of two masses with riders: one at a quarter, one beyond an end, as a point of the rod has it. */
+static void a_rider_is_pushed_as_a_point_of_its_body(void **state) {
+  (void)state;
+  test_engine e;
+  size_t count;
+  const double at[2] = {0.25, 1.5}, up[3] = {0, 0, 1}, impulse[3] = {0.4, 0.1, -0.2}, I = mass * L * L / 2;
+  test_engine_open(&e);
+  add_chain(&e, 1, 0);
+  for (int k = 0; k < 2; k++) {
+    hk_rider r = {.particle = test_particle(&e, 0, 0, 0, 0), .carriers = 2, .carrier = {1, 2}};
+    r.weight[0] = 1 - at[k], r.weight[1] = at[k];
+    assert_int_equal(hk_scene_add_rider(e.scene, &r, &e.error), HK_OK);
+  }
+  const hk_body_service *bodies = open_bodies(&e, &count);
+  const uint32_t *member;
+  assert_int_equal(count, 1);
+  assert_int_equal(bodies->members(bodies->self, 0, &member), 4);
+  for (uint32_t k = 0; k < 2; k++) {
+    hk_weighted_point point = {{2 + k}, {1}};
+    double arm = (at[k] - 0.5) * L, m, v[12] = {0};
+    assert_int_equal(bodies->mobility(bodies->self, &point, up, &m), HK_OK);
+    assert_true(fabs(m - (1 / (2 * mass) + arm * arm / I)) < exact);
+    assert_int_equal(bodies->push(bodies->self, &point, impulse, v), HK_OK);
+    for (int c = 0; c < 3; c++) {
+      assert_true(fabs(mass * (v[c] + v[3 + c]) - impulse[c]) < exact);
+      assert_true(fabs(v[6 + 3 * k + (uint32_t)c] - (1 - at[k]) * v[c] - at[k] * v[3 + c]) < exact);
+    }
+    assert_true(fabs(v[5] - v[2] - L * arm * impulse[2] / I) < exact);
+  }
+  test_engine_close(&e);
+}
+
 /* A straight chain pushed across at its end: the bars do nothing. Pushed along it: all move together. 130 links are
  * more than a dense factor takes. */
 static void a_long_chain_responds_as_a_short_one(void **state) {
@@ -139,6 +171,7 @@ static void a_bar_that_follows_from_others_changes_nothing(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_rod_has_the_mobility_of_a_rigid_body),
+      cmocka_unit_test(a_rider_is_pushed_as_a_point_of_its_body),
       cmocka_unit_test(a_long_chain_responds_as_a_short_one),
       cmocka_unit_test(a_nail_joins_nothing),
       cmocka_unit_test(a_bar_that_follows_from_others_changes_nothing),

@@ -42,6 +42,37 @@ static void scene(test_engine *e, int each, bool chained, double spin) {
   test_run(e);
 }
 
+/* What rides on a group has the place and the velocity of its carriers at the ends of steps, too. */
+static void riders_go_with_their_groups(void **state) {
+  (void)state;
+  test_engine e;
+  uint32_t edge[6][2];
+  size_t edges = 0;
+  const double w[4] = {1.5, 0.25, -1, 0.25};
+  test_engine_open(&e);
+  for (uint32_t k = 0; k < 4; k++) {
+    test_particle(&e, k == 1, k == 2, k == 3, 1);
+    e.scene->particles.velocity[3 * k] = k == 3 ? 2 : 0;
+    for (uint32_t j = 0; j < k; j++, edges++) edge[edges][0] = j + 1, edge[edges][1] = k + 1;
+  }
+  hk_rider r = {.particle = test_particle(&e, 0, 0, 0, 0), .carriers = 4, .carrier = {1, 2, 3, 4}};
+  memcpy(r.weight, w, sizeof w);
+  assert_int_equal(hk_scene_add_rider(e.scene, &r, &e.error), HK_OK);
+  test_edges(&e, test_plugin(&e, HK_CONSTRAINT, "bars"), (const uint32_t(*)[2])edge, edges);
+  e.options.integrator = "leapfrog";
+  e.scene->dt = 1e-3;
+  test_run(&e);
+  assert_non_null(e.run->dynamics.constraints->groups);
+  test_advance(&e, 0.05);
+  const double *x = e.run->state.X, *v = x + 15;
+  for (int c = 0; c < 3; c++) {
+    double place = 0, speed = 0;
+    for (int k = 0; k < 4; k++) place += w[k] * x[3 * k + c], speed += w[k] * v[3 * k + c];
+    assert_true(fabs(x[12 + c] - place) < 1e-14 && fabs(v[12 + c] - speed) < 1e-14);
+  }
+  test_engine_close(&e);
+}
+
 static void groups_move_as_where_all_is_solved_together(void **state) {
   (void)state;
   double end[2][6 * MOST], lambda[2][MOST];
@@ -106,6 +137,7 @@ static void long_steps_are_solved_together(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(riders_go_with_their_groups),
       cmocka_unit_test(groups_move_as_where_all_is_solved_together),
       cmocka_unit_test(results_have_the_same_bits_for_any_width_and_threads),
       cmocka_unit_test(long_steps_are_solved_together),

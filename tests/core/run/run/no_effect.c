@@ -125,6 +125,10 @@ static void what_is_guessed_is_said(void **state) {
       {SCENE "scene:rigid { shape = 'sphere', radius = 1, mass = 1 }\nscene:corrector('strain_limit', { edges = {{1, "
              "2}}, limit = 9 })\n",
        "scene.lua:3: strain_limit does not know rigid bodies: it moves their particles one by one"},
+      {SCENE "scene:rigid { shape = 'box', size = 1, mass = 1 }\nscene:corrector('contact', {})\n",
+       "scene.lua:3: contact meets 1 rigid bodies nowhere, such as that of particle 1: they have no surface"},
+      {SCENE "scene:rigid { shape = 'box', size = 1, mass = 1 }:surface()\nscene:force('barrier', {})\n",
+       "scene.lua:3: barrier does not know rigid bodies: where their surfaces meet something, the run ends"},
       {GRID "scene:pin(g)\nscene:force('rods', { edges = g:edges(), EI = 1 })\n",
        "scene.lua:4: rods: edges: 6 of them have no effect, such as number 7, from particle 1 to 4: nothing"},
   };

@@ -1,0 +1,160 @@
+/* Rigid bodies on obstacles, by the points of their surface, against closed forms. Where the law of impact is exact at
+ * the instant of landing, rounding is left; friction that turns a ball has order 2. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+/* Runs a scene of 9.81 m/s^2, with the body b. */
+static void run(double duration, double dt, const char *body, const char *rest) {
+  static char scene[8192];
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = %g, fps = 20, integrator = 'leapfrog', dt = %g }\n"
+           "local sin, cos, abs, g = math.sin, math.cos, math.abs, 9.81\nlocal b = scene:rigid %s\n"
+           "local function measure(name, f) scene:measure(name, f) end\n"
+           "local function fall() scene:force('gravity', { g = {0, 0, -g} }) end\n%s\nreturn scene\n",
+           duration, dt, body, rest);
+  test_write("bodies.lua", scene);
+  test_hooke(&r, NULL, "run bodies.lua --json --quiet --no-output");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  assert_non_null(strstr(r.out, "\"warnings\":[]"));
+}
+
+static void small(const char *measure, double within) {
+  double found = test_json(r.out, measure);
+  print_message("%s: %.3g, at most %.1g\n", measure, found, within);
+  if (!(fabs(found) <= within)) fail_msg("%s: %.17g is above %g", measure, found, within);
+}
+
+/* Between the first and the second bounce. */
+static void a_box_that_falls_flat_rises_by_the_square_of_e(void **state) {
+  (void)state;
+  run(0.5, 1e-3, "{ shape = 'box', size = {0.2, 0.3, 0.2}, mass = 2, position = {0, 0, 0.6} }",
+      "b:surface() fall()\nscene:corrector('obstacle', { shape = 'plane', restitution = 0.5, friction = 0.4 })\n"
+      "local first = math.sqrt(2 * 0.5 / g)\n"
+      "measure('off', function(s) local t = s.t - first; return b:position(s)[3] - 0.1 - 0.5 * g * first * t + g / 2 * "
+      "t^2 end)\nmeasure('turn', function(s) local w = b:spin(s) return abs(w[1]) + abs(w[2]) + abs(w[3]) end)");
+  small("off", 1e-12);
+  small("turn", 1e-11);
+}
+
+/* Friction at x - R n: v falls and the spin rises until they meet at 5/7 of v, and then nothing rubs. */
+static double rolls(double dt) {
+  run(1.5, dt, "{ shape = 'sphere', radius = 0.1, mass = 2, position = {0, 0, 0.1}, velocity = {1, 0, 0} }",
+      "b:surface { {0, 0, 0} } fall()\nscene:corrector('obstacle', { shape = 'plane', friction = 0.2, radius = 0.1 })\n"
+      "measure('speed', function(s) return b:velocity(s)[1] - 5 / 7 end)\n"
+      "measure('slip', function(s) return b:velocity(s)[1] - 0.1 * b:spin(s)[2] end)\n"
+      "measure('aside', function(s) local w, v = b:spin(s), b:velocity(s); return abs(w[1]) + abs(w[3]) + abs(v[2]) + "
+      "abs(v[3]) end)");
+  small("slip", 1e-12);
+  small("aside", 1e-12);
+  return test_json(r.out, "speed");
+}
+
+static void a_ball_that_slides_rolls_at_five_sevenths(void **state) {
+  (void)state;
+  double long_steps = rolls(2e-3), short_steps = rolls(1e-3);
+  print_message("off 5/7 by %.3g and %.3g m/s\n", long_steps, short_steps);
+  assert_true(fabs(short_steps) < 3e-5 && fabs(long_steps) < 4.2 * fabs(short_steps));
+}
+
+/* J = (1 + e) |v|/(1/m + (r x n)^2/I). */
+static void a_rod_that_falls_on_its_end_turns(void **state) {
+  (void)state;
+  run(0.05, 1e-3,
+      "{ shape = 'capsule', radius = 0.01, length = 0.8, mass = 1.3, position = {0, 0, 0.4 * sin(0.7) + 0.01}, "
+      "velocity = {0, 0, -1}, orientation = {0, math.pi / 2 - 0.7, 0} }",
+      "b:surface { {0, 0, -0.4}, {0, 0, 0.4} }\nscene:corrector('obstacle', { shape = 'plane', restitution = 0.6 })\n"
+      "local I, r = math.max(b.inertia[1], b.inertia[2], b.inertia[3]), 0.4 * cos(0.7)\n"
+      "local J = 1.6 / (1 / b.mass + r^2 / I)\n"
+      "measure('speed', function(s) return b:velocity(s)[3] + 1 - J / b.mass end)\n"
+      "measure('spin', function(s) return b:spin(s)[2] - r * J / I end)");
+  small("speed", 1e-13);
+  small("spin", 1e-12);
+}
+
+/* A box on a slope of 0.4 rad, tan 0.423: it slides with g (sin - mu cos), or stays. */
+static void slides(double mu) {
+  char rest[1024];
+  snprintf(rest, sizeof rest,
+           "local mu, n, d = %g, {-sin(0.4), 0, cos(0.4)}, {-cos(0.4), 0, -sin(0.4)}\nb:surface() fall()\n"
+           "scene:corrector('obstacle', { shape = 'plane', normal = n, friction = mu })\n"
+           "local a = g * math.max(0, sin(0.4) - mu * cos(0.4))\n"
+           "measure('way', function(s) local x = b:position(s); return (x[1] - 0.05 * n[1]) * d[1] + (x[3] - 0.05 * "
+           "n[3]) * d[3] - a / 2 * s.t^2 end)\n"
+           "measure('speed', function(s) local v = b:velocity(s); return v[1] * d[1] + v[3] * d[3] - a * s.t end)",
+           mu);
+  run(0.4, 2e-3,
+      "{ shape = 'box', size = {0.3, 0.2, 0.1}, mass = 2, orientation = {0, -0.4, 0}, position = {-0.05 * sin(0.4), 0, "
+      "0.05 * cos(0.4)} }",
+      rest);
+  small("way", 1e-9);
+  small("speed", 1e-10);
+}
+
+static void a_box_slides_below_the_slope_and_stays_above(void **state) {
+  (void)state;
+  slides(0.3);
+  slides(0.6);
+}
+
+/* It tumbles, bounces and rubs: the largest rise of its energy between frames, J. */
+static void tumbles(double e, double mu, double duration, double kept) {
+  char rest[1024];
+  snprintf(rest, sizeof rest,
+           "b:surface() fall()\nscene:corrector('obstacle', { shape = 'plane', restitution = %g, friction = %g })\n"
+           "local last, rise, first = 1e9, 0\nmeasure('rise', function(s)\n"
+           "  local E = b:energy(s) + 2 * g * b:position(s)[3]\n  first = first or E\n"
+           "  rise = math.max(rise, s.t > 0 and E - last or 0)\n  last = E\n  return rise\nend)\n"
+           "measure('lost', function() return first - last end)",
+           e, mu);
+  run(duration, 1e-3,
+      "{ shape = 'box', size = {0.2, 0.3, 0.1}, mass = 2, position = {0, 0, 0.6}, orientation = {0.3, 0.4, 0.2}, "
+      "spin = {3, -2, 5}, velocity = {1, 0.3, 0} }",
+      rest);
+  small("rise", 1e-11);
+  if (kept > 0) small("lost", kept);
+}
+
+static void energy_never_rises(void **state) {
+  (void)state;
+  tumbles(1, 0, 3, 1e-11);
+  tumbles(1, 0.5, 3, 0);
+  tumbles(0.6, 0.5, 1, 0);
+}
+
+/* The particles that have the mass are inside, and touch nothing: without a surface a body falls through, and that is
+ * said. */
+static void a_body_without_a_surface_is_told(void **state) {
+  (void)state;
+  test_write("told.lua",
+             "local scene = hooke.scene { duration = 0.5, dt = 1e-3 }\n"
+             "local b = scene:rigid { mass = 2, inertia = {1, 1, 1}, position = {0, 0, 0.5} }\n"
+             "scene:force('gravity', { g = {0, 0, -9.81} })\nscene:corrector('obstacle', {})\n"
+             "scene:measure('z', function(s) return b:position(s)[3] - 0.5 + 9.81 / 8 end)\nreturn scene\n");
+  test_hooke(&r, NULL, "run told.lua --json --quiet --no-output");
+  assert_int_equal(r.code, 0);
+  small("z", 1e-12);
+  assert_non_null(strstr(r.out, "obstacle meets 1 rigid bodies nowhere, such as that of particle 1"));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_box_that_falls_flat_rises_by_the_square_of_e),
+      cmocka_unit_test(a_ball_that_slides_rolls_at_five_sevenths),
+      cmocka_unit_test(a_rod_that_falls_on_its_end_turns),
+      cmocka_unit_test(a_box_slides_below_the_slope_and_stays_above),
+      cmocka_unit_test(energy_never_rises),
+      cmocka_unit_test(a_body_without_a_surface_is_told),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
