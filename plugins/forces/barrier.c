@@ -11,6 +11,8 @@
  *
  * Of those that keep surfaces apart the one for implicit methods: 75 steps of bdf2 for the sheet of
  * plugins/correctors/contact.c, where the others take 1,379 and more; it loses energy there where they make some.
+ * A landing lasts less than such a step, and bdf2 damps what does: without friction or damping a card that falls
+ * 50 mm stays down, at 1/240 s as at 1/1000 s, which the verdict says (`damps_below`).
  */
 #include "plugins/common/contact/barrier/barrier_bound.h"
 #include "plugins/common/contact/barrier/barrier_choice.h"

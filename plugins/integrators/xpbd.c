@@ -15,6 +15,12 @@
  * curtain, the error of order 2 then first rises with shorter substeps before it falls, while with symmetric sweeps it
  * falls throughout. Channels and work are integrated by the same rule.
  *
+ * Contact (the correctors) acts at the end of a step, not of a substep, and moves what touches by the way of a whole
+ * step, on top of what unconverged sweeps leave: a sheet of 33 x 33 particles that falls on a ball is strained by 0.65
+ * in steps of 1/120 s with 10 substeps, by 0.34 with 100 of them, and by 0.063 with steps of a substep's length, one
+ * substep and 10 iterations (substeps=1,iterations=10, dt = 1/1200 s), where leapfrog has 0.062. The verdict finds the
+ * energy of the others wrong.
+ *
  * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26); Macklin and others 2019, Small steps, algorithm 1.
  *
  * For pictures at a fixed price that holds at any stiffness, without a matrix: cloth of 8 x 8 particles, k = 1e6 N/m,

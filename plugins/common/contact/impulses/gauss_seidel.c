@@ -1,5 +1,6 @@
 /* See gauss_seidel.h. Velocities follow positions: only an impact that pushes positions apart in this step has an
- * impulse, so that pairs that approach without contact are left alone. */
+ * impulse, so that pairs that approach without contact are left alone; and those that rest: of redundant contacts the
+ * positions need some only, now these, now those. */
 #include "plugins/common/contact/impulses/gauss_seidel.h"
 
 #include "plugins/kit/vector3.h"
@@ -64,7 +65,7 @@ typedef struct sweeping {
 } sweeping;
 
 static bool takes_part(const hk_impact *k, const sweeping *w) {
-  return w->level == offsetof(hk_impact, place) || k->place.push > 0;
+  return w->level == offsetof(hk_impact, place) || k->place.push > 0 || k->rested;
 }
 
 /* Returns whether anything was moved by more than the tolerance. */
@@ -105,6 +106,14 @@ static size_t sweep_all(hk_contact_solver *s, const sweeping *w) {
   apply_given(s, w);
   while (sweep(s, w) && sweeps < s->most) sweeps++;
   return sweeps;
+}
+
+void hk_gauss_seidel_calm(hk_contact_solver *s, double h, double least) {
+  const double part = 0.01; /* of the motion; ten layers turn a tolerance into some 20 times the speed */
+  double motion = 0, usual = s->tolerance;
+  for (size_t e = 0; e < s->count; e++) motion = fmax(motion, s->impact[e].motion);
+  s->tolerance = fmin(usual, fmax(least, part * h * motion));
+  s->calm = usual > 0 ? 1 - s->tolerance / usual : 0;
 }
 
 hk_gauss_seidel_result hk_gauss_seidel(hk_contact_solver *s, hk_step_move *m) {

@@ -31,6 +31,8 @@ void hk_impact_set(hk_impact *k, const hk_step_move *m, double restitution, bool
   weigh(to, k, m->x);
   weigh(v_from, k, m->v_from);
   weigh(v_to, k, m->v);
+  k->motion = hk_length(v_from);
+  k->rested = false;
   double c_0 = hk_dot(n, from) - offset, c_1 = hk_dot(n, to) - offset;
   double u_0 = hk_dot(n, v_from), u_1 = hk_dot(n, v_to);
   double s = c_1 < 0 ? closing_time(c_0, m->h * u_0, c_1) : 1, gap = fmin(0, k->pair.gap) / 2;

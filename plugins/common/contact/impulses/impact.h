@@ -38,6 +38,8 @@ typedef struct hk_impact {
   double part;       /* of the step, at which the gap closes; 1: it does not */
   double speed_then; /* m/s, along the normal, below 0; 0: the step changes its speed by as much, as of contact that
                         lasts */
+  double motion;     /* m/s, size of the relative velocity of the nearest points at the start of the step */
+  bool rested;       /* it is contact that lasts and was given an impulse of the last step (warm_start.h) */
 } hk_impact;
 
 /* Sets mobility and levels of an impact whose pair and frame are set. again: it was pushed apart in this step already,
