@@ -1,9 +1,14 @@
 /* The sum over all pairs, in blocks of targets. */
 #include "plugins/common/gravity/direct_sum.h"
+#include "plugins/common/gravity/mutual_sum.h"
 
 #include <string.h>
 
-enum { BLOCK = HK_GRAVITY_BLOCK, CHUNK_PAIRS = 1 << 16 /* some 20 us: far above the cost of handing it to a thread */ };
+enum {
+  BLOCK = HK_GRAVITY_BLOCK,
+  CHUNK_PAIRS = 1 << 16, /* some 20 us and more: far above the cost of handing it to a thread */
+  CHUNK_BODIES = 4096
+};
 
 hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n) {
   if (g->room && n <= g->room) return HK_OK;
@@ -12,7 +17,7 @@ hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n
   g->host = host;
   if (!g->path) g->path = hk_gravity_path_of(host->lanes);
   g->order = host->allocate(host, room * sizeof *g->order);
-  g->at.x = host->allocate(host, 4 * each * sizeof(double));
+  g->at.x = host->allocate(host, 7 * each * sizeof(double));
   g->parts = room + 1;
   g->part = host->allocate(host, g->parts * sizeof *g->part);
   if (!g->order || !g->at.x || !g->part) {
@@ -20,6 +25,7 @@ hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n
     return HK_NO_MEMORY;
   }
   g->at = (hk_bodies){g->at.x, g->at.x + each, g->at.x + 2 * each, g->at.x + 3 * each};
+  for (size_t c = 0; c < 3; c++) g->pull[c] = g->at.x + (4 + c) * each;
   g->room = room;
   return HK_OK;
 }
@@ -141,15 +147,18 @@ static double inverse_off(double m) {
   return fabs(off) < 1 ? off : 0; /* of no mass, or hardly any, the inverse is none */
 }
 
+static void add_force(const task *t, size_t k, const double a[3]) {
+  const hk_gravity_bodies *g = t->g;
+  double per_mass = t->G * (g->scale * g->scale), m = g->at.m[k], off = inverse_off(m);
+  for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += force_for(per_mass * a[c], m, off);
+}
+
 static size_t add_pull(const task *t, const block *b) {
   hk_gravity_bodies *g = t->g;
   hk_pull sum;
   pull_of(g, b, &sum);
-  for (size_t l = 0; l < b->count; l++) {
-    size_t k = b->first + l;
-    double per_mass = t->G * (g->scale * g->scale), m = g->at.m[k], off = inverse_off(m);
-    for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += force_for(per_mass * sum.a[c][l], m, off);
-  }
+  for (size_t l = 0; l < b->count; l++)
+    add_force(t, b->first + l, (const double[]){sum.a[0][l], sum.a[1][l], sum.a[2][l]});
   return coinciding(g, b, &sum);
 }
 
@@ -164,8 +173,20 @@ static void force_blocks(void *context, size_t begin, size_t end, size_t chunk) 
   t->g->part[chunk] = (double)met;
 }
 
+static void mutual_forces(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  double *const *a = t->g->pull;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) add_force(t, k, (const double[]){a[0][k], a[1][k], a[2][k]});
+}
+
 bool hk_direct_forces(hk_gravity_bodies *g, double G, double *F) {
   task t = {g, G, F};
+  g->met = 0;
+  if (hk_mutual_pull(g)) {
+    g->host->parallel_for(g->host, g->count, CHUNK_BODIES, mutual_forces, &t);
+    return true;
+  }
   memset(g->part, 0, g->parts * sizeof *g->part);
   return hk_gravity_apart(g, over_blocks(&t, force_blocks));
 }

@@ -17,6 +17,7 @@ typedef struct hk_gravity_bodies {
   bool mutual;     /* and those among the first */
   uint32_t *order; /* count: which particle */
   hk_bodies at;    /* count and a block: scaled places, and masses in kg */
+  double *pull[3]; /* count and a block: sums of hk_mutual_pull */
   double scale;    /* 1/m */
   double eps2;     /* scaled square of the softening */
   size_t met;      /* 1 + a body that is at the place of another one, by the last sum; 0: none */
