@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { BLOCK = HK_GRAVITY_BLOCK, TILE = HK_GRAVITY_TILE, FEWEST = 2 * TILE, TEAMS = 64 };
+enum { BLOCK = HK_GRAVITY_BLOCK, TILE = HK_GRAVITY_TILE, FEWEST = 48, TEAMS = 64 };
 
 typedef struct tournament {
   hk_gravity_bodies *g;
