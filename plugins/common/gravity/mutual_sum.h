@@ -2,7 +2,7 @@
 #ifndef HK_MUTUAL_SUM_H
 #define HK_MUTUAL_SUM_H
 
-#include "plugins/common/gravity/direct_sum.h"
+#include "plugins/common/gravity/gravity_bodies.h"
 
 /* pull[c][k] = sum m_j d/s^3 of all others, scaled, in 1/m^2 kg, for each body k. False: there are too few bodies for
  * it, some do not attract, or a sum is not finite, as where with softening 0 two bodies are at one place; `pull` is

@@ -1,6 +1,7 @@
 /* Sums in which every pair is met once are those of the plain sum, with every width of vectors and whatever the number
  * of bodies leaves over in blocks, tiles and teams; they have the same bits in whichever order threads take the
  * meetings of a round; and where they cannot be, it is said. */
+#include "plugins/common/gravity/direct_sum.h"
 #include "plugins/common/gravity/mutual_sum.h"
 #include "core/engine/base/base.h"
 
