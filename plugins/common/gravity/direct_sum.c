@@ -1,72 +1,14 @@
 /* The sum over all pairs, in blocks of targets. */
 #include "plugins/common/gravity/direct_sum.h"
+#include "plugins/common/gravity/mutual_sum.h"
 
 #include <string.h>
 
-enum { BLOCK = HK_GRAVITY_BLOCK, CHUNK_PAIRS = 1 << 16 /* some 20 us: far above the cost of handing it to a thread */ };
-
-hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n) {
-  if (g->room && n <= g->room) return HK_OK;
-  hk_gravity_release(g);
-  size_t room = n + n / 2 + BLOCK, each = room + BLOCK;
-  g->host = host;
-  if (!g->path) g->path = hk_gravity_path_of(host->lanes);
-  g->order = host->allocate(host, room * sizeof *g->order);
-  g->at.x = host->allocate(host, 4 * each * sizeof(double));
-  g->parts = room + 1;
-  g->part = host->allocate(host, g->parts * sizeof *g->part);
-  if (!g->order || !g->at.x || !g->part) {
-    hk_gravity_release(g);
-    return HK_NO_MEMORY;
-  }
-  g->at = (hk_bodies){g->at.x, g->at.x + each, g->at.x + 2 * each, g->at.x + 3 * each};
-  g->room = room;
-  return HK_OK;
-}
-
-void hk_gravity_release(hk_gravity_bodies *g) {
-  if (!g->host) return;
-  g->host->release(g->host, g->order);
-  g->host->release(g->host, g->at.x);
-  g->host->release(g->host, g->part);
-  g->order = NULL;
-  g->at = (hk_bodies){0};
-  g->part = NULL;
-  g->room = g->count = 0;
-}
-
-/* 1/m, a power of two near the inverse of the extent; the softening counts where it is larger. */
-static double scale_of(const hk_gravity_bodies *g, const double *x, double softening) {
-  double most = softening;
-  const double *first = g->count ? x + 3 * (size_t)g->order[0] : NULL;
-  for (size_t k = 1; k < g->count; k++)
-    for (size_t c = 0; c < 3; c++) most = fmax(most, fabs(x[3 * (size_t)g->order[k] + c] - first[c]));
-  int exponent;
-  if (!(most > 0) || !isfinite(most)) return 1;
-  frexp(most, &exponent);
-  return ldexp(1, exponent < -1000 ? 1000 : -exponent);
-}
-
-void hk_gravity_gather(hk_gravity_bodies *g, const double *x, const double *mass, double softening) {
-  g->scale = scale_of(g, x, softening);
-  g->eps2 = softening * g->scale * (softening * g->scale);
-  for (size_t k = 0; k < g->count; k++) {
-    const double *at = x + 3 * (size_t)g->order[k];
-    g->at.x[k] = at[0] * g->scale;
-    g->at.y[k] = at[1] * g->scale;
-    g->at.z[k] = at[2] * g->scale;
-    g->at.m[k] = mass[g->order[k]];
-  }
-}
-
-void hk_gravity_targets(const hk_gravity_bodies *g, size_t first, size_t count, hk_targets *t) {
-  for (size_t l = 0; l < BLOCK; l++) {
-    size_t k = l < count ? first + l : first;
-    t->x[0][l] = g->at.x[k];
-    t->x[1][l] = g->at.y[k];
-    t->x[2][l] = g->at.z[k];
-  }
-}
+enum {
+  BLOCK = HK_GRAVITY_BLOCK,
+  CHUNK_PAIRS = 1 << 16, /* some 20 us and more: far above the cost of handing it to a thread */
+  CHUNK_BODIES = 4096
+};
 
 /* ---- loops over blocks of targets ---- */
 
@@ -141,15 +83,18 @@ static double inverse_off(double m) {
   return fabs(off) < 1 ? off : 0; /* of no mass, or hardly any, the inverse is none */
 }
 
+static void add_force(const task *t, size_t k, const double a[3]) {
+  const hk_gravity_bodies *g = t->g;
+  double per_mass = t->G * (g->scale * g->scale), m = g->at.m[k], off = inverse_off(m);
+  for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += force_for(per_mass * a[c], m, off);
+}
+
 static size_t add_pull(const task *t, const block *b) {
   hk_gravity_bodies *g = t->g;
   hk_pull sum;
   pull_of(g, b, &sum);
-  for (size_t l = 0; l < b->count; l++) {
-    size_t k = b->first + l;
-    double per_mass = t->G * (g->scale * g->scale), m = g->at.m[k], off = inverse_off(m);
-    for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += force_for(per_mass * sum.a[c][l], m, off);
-  }
+  for (size_t l = 0; l < b->count; l++)
+    add_force(t, b->first + l, (const double[]){sum.a[0][l], sum.a[1][l], sum.a[2][l]});
   return coinciding(g, b, &sum);
 }
 
@@ -164,8 +109,20 @@ static void force_blocks(void *context, size_t begin, size_t end, size_t chunk) 
   t->g->part[chunk] = (double)met;
 }
 
+static void mutual_forces(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  double *const *a = t->g->pull;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) add_force(t, k, (const double[]){a[0][k], a[1][k], a[2][k]});
+}
+
 bool hk_direct_forces(hk_gravity_bodies *g, double G, double *F) {
   task t = {g, G, F};
+  g->met = 0;
+  if (hk_mutual_pull(g)) {
+    g->host->parallel_for(g->host, g->count, CHUNK_BODIES, mutual_forces, &t);
+    return true;
+  }
   memset(g->part, 0, g->parts * sizeof *g->part);
   return hk_gravity_apart(g, over_blocks(&t, force_blocks));
 }

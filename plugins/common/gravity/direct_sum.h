@@ -1,34 +1,9 @@
-/* Gravitation by the sum over all pairs. Bodies are copied into arrays of their own, in an order in which those that
- * attract come first, and lengths are multiplied by a power of two that brings their extent near 1: no digit is lost,
- * and squares and cubes stay within the range of floats, which the estimates of some processors need. Each target's sum
- * has the order of the sources, so it has the same bits for any number of threads. */
+/* Gravitation by the sum over all pairs. Each target's sum has an order that follows from the bodies alone, so it has
+ * the same bits for any number of threads. */
 #ifndef HK_DIRECT_SUM_H
 #define HK_DIRECT_SUM_H
 
-#include "core/plugin.h"
-#include "plugins/common/gravity/gravity_path.h"
-
-typedef struct hk_gravity_bodies {
-  const hk_host *host;
-  const hk_gravity_path *path;
-  size_t room;
-  size_t count;    /* bodies */
-  size_t sources;  /* pairs are those of the first so many with the others; count: there are no others */
-  bool mutual;     /* and those among the first */
-  uint32_t *order; /* count: which particle */
-  hk_bodies at;    /* count and a block: scaled places, and masses in kg */
-  double scale;    /* 1/m */
-  double eps2;     /* scaled square of the softening */
-  size_t met;      /* 1 + a body that is at the place of another one, by the last sum; 0: none */
-  size_t parts;
-  double *part; /* parts: of a sum, one per block or group of targets */
-} hk_gravity_bodies;
-
-/* Memory for n bodies. HK_NO_MEMORY, without a message. */
-hk_status hk_gravity_reserve(hk_gravity_bodies *, const hk_host *, size_t n);
-void hk_gravity_release(hk_gravity_bodies *);
-/* Copies the places x (n x 3) and masses of the particles in `order`, whose number is in `count`. */
-void hk_gravity_gather(hk_gravity_bodies *, const double *x, const double *mass, double softening);
+#include "plugins/common/gravity/gravity_bodies.h"
 
 /* F += G m_i sum_j m_j d/s^3. False: with softening 0 two bodies are at one place; F is then not complete. */
 bool hk_direct_forces(hk_gravity_bodies *, double G, double *F);
@@ -39,14 +14,5 @@ bool hk_gravity_apart(hk_gravity_bodies *, size_t parts);
 double hk_direct_energy(hk_gravity_bodies *, double G); /* J, -G sum m_i m_j/s over pairs */
 /* pull[k] = G sum_j m_j/s^3 of body k, 1/s^2. */
 void hk_direct_stiffness(hk_gravity_bodies *, double G, double *pull);
-
-/* The place in `at` of `count` targets from body `first` on; lanes beyond repeat the first one. */
-void hk_gravity_targets(const hk_gravity_bodies *, size_t first, size_t count, hk_targets *);
-
-/* s between two bodies, scaled. */
-static inline double hk_gravity_distance(const hk_gravity_bodies *g, size_t j, size_t k) {
-  double dx = g->at.x[j] - g->at.x[k], dy = g->at.y[j] - g->at.y[k], dz = g->at.z[j] - g->at.z[k];
-  return sqrt(dx * dx + dy * dy + dz * dz + g->eps2);
-}
 
 #endif

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { HK_GRAVITY_BLOCK = 16 }; /* targets */
+enum { HK_GRAVITY_BLOCK = 16 /* targets */, HK_GRAVITY_TILE = 64 /* bodies that pull each other; whole blocks */ };
 
 /* Bodies, or cells as point masses, one coordinate after the other. */
 typedef struct hk_bodies {
@@ -39,6 +39,10 @@ typedef struct hk_gravity_path {
   const char *name;
   /* eps2: square of the softening, m^2. */
   void (*pull)(const hk_bodies *, size_t begin, size_t end, const hk_targets *, double eps2, hk_pull *);
+  /* Bodies from one[0] to one[1] - 1 and from two[0] to two[1] - 1 pull each other, or, where these are the same, among
+   * themselves, each pair once: a[c][k] += sum m d/s^3 of body k. Whole blocks, two of them HK_GRAVITY_TILE at most. Of
+   * softening 0, a sum is not finite where a body is at the place of another one. */
+  void (*mutual)(const hk_bodies *, const size_t one[2], const size_t two[2], double eps2, double *const a[3]);
   /* sum += sum of m/s^power, power 1 (the potential) or 3 (a bound of the stiffness). Of softening 0, sources at the
    * place of the target are left out. */
   void (*scalar)(const hk_bodies *, size_t begin, size_t end, const hk_targets *, double eps2, int power, double *sum);

@@ -17,10 +17,22 @@
 #include <complex.h>
 #include <string.h>
 
-static double binomial(int n, int k) { return k == 0 ? 1 : binomial(n, k - 1) * (n - k + 1) / k; }
+/* The binomial coefficient of n, at most HK_STOERMER_TERMS, and k. */
+static double binomial(int n, int k) {
+  static const double row[HK_STOERMER_TERMS + 1][HK_STOERMER_TERMS + 1] = {{1},
+                                                                           {1, 1},
+                                                                           {1, 2, 1},
+                                                                           {1, 3, 3, 1},
+                                                                           {1, 4, 6, 4, 1},
+                                                                           {1, 5, 10, 10, 5, 1},
+                                                                           {1, 6, 15, 20, 15, 6, 1},
+                                                                           {1, 7, 21, 35, 35, 21, 7, 1},
+                                                                           {1, 8, 28, 56, 70, 56, 28, 8, 1}};
+  return row[n][k];
+}
 
 /* c += factor u^power (1 + u)^rest */
-static void add_term(double complex *c, double complex factor, int power, int rest) {
+static void add_term(double *c, double factor, int power, int rest) {
   for (int k = 0; k <= rest; k++) c[power + k] += factor * binomial(rest, k);
 }
 
@@ -29,14 +41,18 @@ static void add_term(double complex *c, double complex factor, int power, int re
  * with g + i b in place of g where velocities rotate. */
 double hk_stoermer_growth(const void *self, const void *method, double hw, double hg, double hb) {
   const hk_stoermer_method *f = method;
-  double complex c[HK_STOERMER_TERMS + 2] = {0};
+  double c[HK_STOERMER_TERMS + 2] = {0}, turned[HK_STOERMER_TERMS + 2] = {0};
+  double complex sum[HK_STOERMER_TERMS + 2];
   (void)self;
   add_term(c, 1, 2, f->terms - 1);
   for (int j = 0; j < f->terms; j++) {
     add_term(c, hw * hw * f->sigma[j], j, f->terms - j);
-    add_term(c, (hg + hb * I) * f->gamma[j], j + 1, f->terms - 1 - j);
+    add_term(c, hg * f->gamma[j], j + 1, f->terms - 1 - j);
+    if (hb != 0) add_term(turned, hb * f->gamma[j], j + 1, f->terms - 1 - j);
   }
-  return hk_complex_polynomial_growth(f->terms + 1, c);
+  if (hb == 0) return hk_polynomial_growth(f->terms + 1, c);
+  for (int k = 0; k <= f->terms + 1; k++) sum[k] = c[k] + turned[k] * I;
+  return hk_complex_polynomial_growth(f->terms + 1, sum);
 }
 
 enum { LINE = 8 }; /* numbers of a cache line */
@@ -67,18 +83,19 @@ typedef struct advance {
 } advance;
 
 /* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 5, 6 or 8,
- * known when it is compiled. What is written has no other name, or the loop would not become one of vectors. `here`: in
- * place. */
+ * known when it is compiled; the oldest has no part in v' - d'. What is written has no other name, or the loop would
+ * not become one of vectors. `here`: in place. */
 HK_INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
                       int terms, bool here) {
   const double *x = here ? x_next : all->x, *v = here ? v_next : all->v, *const *a = all->slope, *w = all->next,
                *l = all->lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
     double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
-    double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
-    if (terms == 5) change += w[4] * a[4][e], lead += l[4] * a[4][e];
-    if (terms > 5) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
-    if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[6] * a[6][e] + l[7] * a[7][e];
+    double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e];
+    if (terms > 4) lead += l[3] * a[3][e];
+    if (terms == 5) change += w[4] * a[4][e];
+    if (terms > 5) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e];
+    if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[5] * a[5][e] + l[6] * a[6][e];
     double d = v[e] + change;
     x_next[e] = x[e] + h * d;
     v_next[e] = d + lead;

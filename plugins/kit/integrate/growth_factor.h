@@ -2,6 +2,8 @@
 #ifndef HK_GROWTH_FACTOR_H
 #define HK_GROWTH_FACTOR_H
 
+#include "plugins/kit/integrate/dominant_root.h"
+
 #include <complex.h>
 #include <math.h>
 #include <stdbool.h>
@@ -32,7 +34,9 @@ static inline void hk_oscillator_roots(double hw, double _Complex d, double _Com
  * be the one that grows most is then refined on the whole polynomial. Of real coefficients roots come in pairs. */
 
 enum { HK_LAGUERRE_ITERATIONS = 60 };
-static const double hk_growth_rough = 1e-3; /* far above the error of a root of a deflated polynomial */
+static const double hk_growth_rough = 1e-3;   /* far above the error of a root of a deflated polynomial */
+static const double hk_laguerre_last = 1e-16; /* square of the last step: it leaves its cube, or half of it next to a
+                                                 double root, which rounding makes as uncertain */
 
 /* The complex product without the checks for infinity that `*` makes. */
 static inline double complex hk_complex_times(double complex a, double complex b) {
@@ -72,7 +76,7 @@ static inline double complex hk_laguerre(int degree, const double complex *c, do
                    step = by == 0 ? 1 + u : hk_complex_over(degree, by);
     if (i % 10 == 9) step = hk_complex_times(step, 0.3 + 0.4 * I); /* leaves a cycle of iterates */
     u -= step;
-    if (hk_complex_square(step) <= 1e-31 * hk_complex_square(u)) break;
+    if (hk_complex_square(step) <= hk_laguerre_last * hk_complex_square(u)) break;
   }
   return u;
 }
@@ -99,6 +103,15 @@ static inline int hk_polynomial_divide_pair(int degree, double complex *c, doubl
   return degree;
 }
 
+/* A root of a polynomial that is left: of two roots the larger one. */
+static inline double complex hk_polynomial_root(int degree, const double complex *c) {
+  if (degree > 2) return hk_laguerre(degree, c, 0);
+  if (degree == 1) return -hk_complex_over(c[0], c[1]);
+  double complex root = hk_complex_root(hk_complex_times(c[1], c[1]) - 4 * hk_complex_times(c[2], c[0]));
+  double complex plus = c[1] + root, minus = c[1] - root;
+  return -hk_complex_over(hk_complex_square(plus) > hk_complex_square(minus) ? plus : minus, 2 * c[2]);
+}
+
 static inline double hk_complex_polynomial_growth(int degree, const double complex *c) {
   double complex left[HK_GROWTH_FACTOR_MAX + 1];
   double growth = 0;
@@ -111,7 +124,7 @@ static inline double hk_complex_polynomial_growth(int degree, const double compl
   bool real = hk_polynomial_is_real(degree, c);
   memcpy(left, c, (size_t)(degree + 1) * sizeof *c);
   for (int rest = degree; rest > 0;) {
-    double complex root = hk_laguerre(rest, left, 0);
+    double complex root = hk_polynomial_root(rest, left);
     bool most = sqrt(hk_complex_square(1 + root)) > growth * (1 - hk_growth_rough);
     if (rest < degree && most) root = hk_laguerre(degree, c, root);
     double factor = sqrt(hk_complex_square(1 + root));
@@ -144,7 +157,8 @@ static inline double hk_cubic_growth(const double *c) {
 }
 
 static inline double hk_polynomial_growth(int degree, const double *c) {
-  double growth = degree == 3 && c[3] != 0 && c[0] != 0 ? hk_cubic_growth(c) : NAN;
+  bool whole = degree >= 3 && c[degree] != 0 && c[0] != 0;
+  double growth = !whole ? NAN : degree == 3 ? hk_cubic_growth(c) : hk_dominant_growth(degree, c);
   if (!isnan(growth)) return growth;
   double complex copy[HK_GROWTH_FACTOR_MAX + 1];
   for (int k = 0; k <= degree; k++) copy[k] = c[k];
