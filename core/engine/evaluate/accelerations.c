@@ -253,10 +253,9 @@ static hk_status one_after_another(hk_dynamics *d, hk_step_in_tile *step, size_t
   const bool counts = counts_by_blocks(d);
   hk_status status = HK_OK;
   hk_tiles_prepare(&d->tiles, step);
+  step[0].prepared = true;
   for (size_t k = 0; k < count && status == HK_OK; k++, d->count.evaluations++) {
-    step[k].prepared = true;
     step[k].counts = counts;
-    step[k].next = k + 1 < count ? &step[k + 1] : NULL;
     status = sum_whole(d, &step[k], NULL, &power[k]);
     if (status == HK_OK) status = hk_tile_evaluate(&d->tiles, &step[k], &power[k]);
   }
@@ -269,8 +268,14 @@ hk_status hk_evaluate_several(hk_system *s, hk_tile_step *of, size_t count) {
   double power[HK_TILE_STEPS] = {0};
   const size_t before = d->count.evaluations;
   for (size_t k = 0; k < count; k++, d->count.evaluations++)
-    step[k] = (hk_step_in_tile){
-        .t = of[k].t, .x = of[k].x, .v = of[k].v, .a = of[k].a, .fused = &of[k].fused, .sampled = is_sampled(d)};
+    step[k] = (hk_step_in_tile){.t = of[k].t,
+                                .x = of[k].x,
+                                .v = of[k].v,
+                                .a = of[k].a,
+                                .fused = &of[k].fused,
+                                .prepared = k > 0,
+                                .sampled = is_sampled(d),
+                                .next = k + 1 < count ? &step[k + 1] : NULL};
   const bool strips = has_strips(d);
   if (!strips) d->count.evaluations = before;
   hk_status status =
