@@ -59,16 +59,25 @@ void hk_step_count(const hk_tiles *tiles, const hk_step_in_tile *s, size_t block
   if (s->counts) tiles->sum[at].power += hk_step_power(s->a, s->v, 3 * (block << p->bits), 3 * end_of(p, block));
 }
 
-void hk_step_finish(const hk_tiles *tiles, const hk_step_in_tile *s, size_t block, size_t at) {
-  const hk_partition *p = &tiles->front.partition;
+/* So many particles are divided, corrected and begun for the next step at once, while their numbers are in the
+ * first-level cache. Measured with 64, 128 and 256: equally fast. */
+enum { AT_ONCE = 128 };
+
+static void finish_few(const hk_tiles *tiles, const hk_step_in_tile *s, size_t begin, size_t end, hk_tile_sum *sum) {
   const hk_pins *pins = tiles->pins;
-  size_t begin = block << p->bits, end = end_of(p, block);
-  hk_tile_sum *sum = &tiles->sum[at];
-  if (pins->has_paths) sum->power += hk_pins_power(pins, begin, end, s->a, s->v);
   sum->bad |= !divide(tiles->shared->lanes, tiles->state->inverse_mass, s->a, begin, end);
   if (pins->has_slides) hk_pins_slide(pins, begin, end, s->a);
   if (s->fused && s->fused->after && !s->unfinished) s->fused->after(s->fused->context, begin, end);
   if (s->next) hk_step_prepare(tiles, s->next, begin, end);
+}
+
+void hk_step_finish(const hk_tiles *tiles, const hk_step_in_tile *s, size_t block, size_t at) {
+  const hk_partition *p = &tiles->front.partition;
+  const hk_pins *pins = tiles->pins;
+  const size_t begin = block << p->bits, end = end_of(p, block);
+  hk_tile_sum *sum = &tiles->sum[at];
+  if (pins->has_paths) sum->power += hk_pins_power(pins, begin, end, s->a, s->v);
+  for (size_t i = begin; i < end; i += AT_ONCE) finish_few(tiles, s, i, i + AT_ONCE < end ? i + AT_ONCE : end, sum);
 }
 
 /* ---- the forces ---- */

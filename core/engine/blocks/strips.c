@@ -1,6 +1,8 @@
 /* Several steps in a tile: the first step goes through the blocks, and each later one follows the step before as
  * closely as the forces' reach allows (front.c). A step then finds the particles as the step before has left them, in
- * the cache, and threads that work on different steps wait for each other at blocks, not at the end of every step. */
+ * the cache, and threads that work on different steps wait for each other at blocks, not at the end of every step. A
+ * block that a step finishes is begun for the step after it at once, whichever strip takes that: nothing of the step
+ * touches it any more. */
 #include "core/engine/blocks/step_in_tile.h"
 
 #include <sched.h>
@@ -34,7 +36,7 @@ static void take_item(work *w, size_t k) {
   const hk_partition *p = &w->tiles->front.partition;
   const hk_tile_item *item = &w->tiles->order.item[w->next[k]++];
   const hk_step_in_tile *step = &w->step[k];
-  if (item->part < p->blocks) hk_step_prepare_block(w->tiles, step, item->block, k);
+  if (item->part < p->blocks && !step->prepared) hk_step_prepare_block(w->tiles, step, item->block, k);
   hk_step_add(w->tiles, step, item->part, k);
   w->tiles->sum[k].at_work = NULL;
   finish_until(w, k, item->complete);

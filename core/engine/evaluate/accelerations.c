@@ -12,10 +12,10 @@
 
 static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
 
-/* One evaluation in SAMPLE is timed. A tile of several steps pays where so many can be under way at once. */
+/* One evaluation in SAMPLE is timed. The steps of a tile are taken at once where DEPTH of them can be under way. */
 enum { SAMPLE = 64, DEPTH = 4 };
 
-/* s, of the evaluations of a tile by forces without parts: so soon the run can be interrupted. */
+/* s, of the evaluations of a tile whose steps follow each other: so soon the run can be interrupted. */
 static const double patience = 0.2;
 
 static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % SAMPLE == 0; }
@@ -220,35 +220,42 @@ static bool whole_has_rates(const hk_dynamics *d) {
   return any;
 }
 
+/* Whether the first block is complete in the first half of a step: of elements between any particles, as good as all
+ * blocks are complete at its end, when nothing of them is in the cache. */
+static bool completes_early(const hk_tile_order *o) { return o->items > 0 && o->item[0].after < o->items / 2; }
+
 bool hk_evaluate_takes_several(const hk_dynamics *d) {
   const hk_system *s = &d->system;
   if (d->constrain || s->contact || s->model->riders || d->listens || d->demands || s->size > 6 * s->n + 1)
     return false;
   if (d->queries.flags & HK_DEPENDS_ON_T || d->pins->has_slides) return false;
   if (has_whole(d)) return d->tiles.front.partition.blocks > 1 && !whole_has_rates(d);
-  return d->tiles.order.depth >= DEPTH;
+  return completes_early(&d->tiles.order);
 }
+
+/* Whether the steps of a tile are under way at once. */
+static bool has_strips(const hk_dynamics *d) { return !has_whole(d) && d->tiles.order.depth >= DEPTH; }
 
 size_t hk_evaluate_several_most(const hk_dynamics *d) {
   double seconds = 0;
+  if (has_strips(d)) return HK_TILE_STEPS;
   for (size_t k = 0; k < d->split.forces; k++) {
     const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
-    if (is_whole(d, k) && force->sampled) seconds += force->seconds / (double)force->sampled;
+    if (force->sampled) seconds += force->seconds / (double)force->sampled;
   }
   return HK_TILE_STEPS * seconds > patience ? (size_t)(patience / seconds) + 1 : HK_TILE_STEPS;
 }
 
-/* Where forces have no parts the steps follow each other, but a block is begun for the next step when it is finished:
- * with that of forces without parts, the particles are gone through twice a step. All sums are those of single steps.
- */
+/* Where forces have no parts, or too few steps can be under way at once, the steps follow each other, but a block is
+ * begun for the next step when it is finished: with the sum of forces without parts, the particles are gone through
+ * twice a step. All sums are those of single steps. */
 static hk_status one_after_another(hk_dynamics *d, hk_step_in_tile *step, size_t count, double *power) {
   const bool counts = counts_by_blocks(d);
   hk_status status = HK_OK;
   hk_tiles_prepare(&d->tiles, step);
+  step[0].prepared = true;
   for (size_t k = 0; k < count && status == HK_OK; k++, d->count.evaluations++) {
-    step[k].prepared = true;
     step[k].counts = counts;
-    step[k].next = k + 1 < count ? &step[k + 1] : NULL;
     status = sum_whole(d, &step[k], NULL, &power[k]);
     if (status == HK_OK) status = hk_tile_evaluate(&d->tiles, &step[k], &power[k]);
   }
@@ -261,12 +268,18 @@ hk_status hk_evaluate_several(hk_system *s, hk_tile_step *of, size_t count) {
   double power[HK_TILE_STEPS] = {0};
   const size_t before = d->count.evaluations;
   for (size_t k = 0; k < count; k++, d->count.evaluations++)
-    step[k] = (hk_step_in_tile){
-        .t = of[k].t, .x = of[k].x, .v = of[k].v, .a = of[k].a, .fused = &of[k].fused, .sampled = is_sampled(d)};
-  const bool whole = has_whole(d);
-  if (whole) d->count.evaluations = before;
+    step[k] = (hk_step_in_tile){.t = of[k].t,
+                                .x = of[k].x,
+                                .v = of[k].v,
+                                .a = of[k].a,
+                                .fused = &of[k].fused,
+                                .prepared = k > 0,
+                                .sampled = is_sampled(d),
+                                .next = k + 1 < count ? &step[k + 1] : NULL};
+  const bool strips = has_strips(d);
+  if (!strips) d->count.evaluations = before;
   hk_status status =
-      whole ? one_after_another(d, step, count, power) : hk_tile_evaluate_several(&d->tiles, step, count, power);
+      strips ? hk_tile_evaluate_several(&d->tiles, step, count, power) : one_after_another(d, step, count, power);
   for (size_t k = 0; k < count; k++) of[k].power = power[k];
   if (status == HK_NOT_FINITE) return hk_error_set(d->error, status, "the forces are not finite");
   return status;

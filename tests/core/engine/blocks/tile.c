@@ -209,6 +209,36 @@ static void beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps(void *
   }
 }
 
+/* The state after the run of a net in which a block is complete when a third of the step is done. */
+static double *state_of_long_springs(const char *method, int threads, bool one_by_one) {
+  test_engine e;
+  open_net(&e, method, threads, N / 3);
+  test_run(&e);
+  assert_true(e.run->dynamics.tiles.order.depth < 4); /* steps that are under way at once would gain nothing */
+  assert_true(hk_tile_fits(&e.run->loop));
+  if (one_by_one) e.run->loop.hooks.moved = do_nothing;
+  test_advance(&e, STEPS * h);
+  assert_int_equal(e.run->record.steps, STEPS);
+  double *X = malloc((6 * N + 1) * sizeof *X);
+  memcpy(X, e.run->state.X, (6 * N + 1) * sizeof *X);
+  test_engine_close(&e);
+  return X;
+}
+
+static void steps_too_near_to_be_taken_at_once_keep_their_bits_in_a_tile(void **state) {
+  static const char *const methods[] = {"leapfrog", "stoermer"};
+  (void)state;
+  for (int m = 0; m < 2; m++) {
+    double *steps = state_of_long_springs(methods[m], 1, true);
+    for (int threads = 1; threads <= 3; threads += 2) {
+      double *tiles = state_of_long_springs(methods[m], threads, false);
+      assert_memory_equal(tiles, steps, (6 * N + 1) * sizeof *steps);
+      free(tiles);
+    }
+    free(steps);
+  }
+}
+
 /* m/s, of the fastest particle after 50 steps. */
 static double speed_after_50(void) {
   test_engine e;
@@ -254,6 +284,7 @@ int main(void) {
       cmocka_unit_test(without_an_order_a_tile_has_one_step),
       cmocka_unit_test(a_force_that_can_be_passed_by_is_looked_at_in_every_step),
       cmocka_unit_test(beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps),
+      cmocka_unit_test(steps_too_near_to_be_taken_at_once_keep_their_bits_in_a_tile),
       cmocka_unit_test(a_step_fails_in_a_tile),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
