@@ -92,7 +92,7 @@ static void what_it_rests_on_is_said(void **state) {
                          "scene:force('gravity', {})\n"
                          "scene:constraint('bars', { edges = edges })\n"
                          "scene:corrector('obstacle', { friction = 0.3, restitution = 0.3 })\nreturn scene\n");
-  test_hooke(&r, NULL, "run bars.lua --json --quiet --no-output --accuracy 1e-8");
+  test_hooke(&r, NULL, "run bars.lua --json --quiet --no-output --accuracy 2e-6");
   assert_int_equal(r.code, 5);
   if (!strstr(r.out, "would do: a run with it is ok") && !strstr(r.out, "was tried, and is not enough"))
     fail_msg("%s", r.out);
