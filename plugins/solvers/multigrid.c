@@ -21,21 +21,11 @@ typedef struct multigrid {
   double tolerance;
   int64_t iterations;
   const hk_host *host;
-  size_t rows, block; /* sizes of the analysed matrix */
-  bool analyzed, ready;
-  hk_upper upper;
   hk_gradients gradients;
   hk_hierarchy hierarchy;
 } multigrid;
 
-static const hk_param params[] = {
-    {"tolerance", "", "residual that will do, relative to the right-hand side, where the integrator asks for none",
-     .number = HK_AT(multigrid, tolerance), .initial = {1e-8}, .limits = HK_ABOVE_TO(0, 1)},
-    {"iterations", "",
-     "limit; 0: 10 more than there are unknowns, which would do without rounding, or 1000 if that is more",
-     .integer = HK_AT(multigrid, iterations), .limits = HK_WITHIN(0, 1e9)},
-    {0},
-};
+static const hk_param params[] = {HK_GRADIENTS_PARAMS(multigrid), {0}};
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   multigrid *s = self;
@@ -50,33 +40,16 @@ static void destroy(void *self, const hk_host *host) {
   hk_hierarchy_close(&s->hierarchy);
 }
 
-static hk_status no_memory(const multigrid *s, const hk_matrix *A) {
-  return s->host->fail(s->host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", A->rows * A->block);
-}
-
 static hk_status analyze(void *self, const hk_matrix *A) {
   multigrid *s = self;
-  s->analyzed = s->ready = false;
-  hk_upper_free(&s->upper, s->host);
-  if (A->row_start[A->rows] >= UINT32_MAX)
-    return s->host->fail(s->host, HK_FAILED, "%zu blocks are more than 32-bit numbers can count",
-                         A->row_start[A->rows]);
-  s->rows = A->rows;
-  s->block = A->block;
-  if (hk_upper_analyze(&s->upper, s->host, A) != HK_OK) return no_memory(s, A);
-  if (hk_gradients_analyze(&s->gradients, s->host, A->rows * A->block) != HK_OK) return no_memory(s, A);
-  s->analyzed = true;
-  return HK_OK;
+  return hk_gradients_analyze(&s->gradients, s->host, A);
 }
 
 static hk_status factorize(void *self, const hk_matrix *A) {
   multigrid *s = self;
-  if (!s->analyzed || A->rows != s->rows || A->block != s->block)
-    return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
-  s->ready = false;
-  hk_upper_fill(&s->upper, s->host, A);
-  hk_status status = hk_hierarchy_build(&s->hierarchy, A, &s->upper);
-  s->ready = status == HK_OK;
+  hk_status status = hk_gradients_fill(&s->gradients, s->host, A);
+  if (status == HK_OK) status = hk_hierarchy_build(&s->hierarchy, A, &s->gradients.A);
+  s->gradients.ready = status == HK_OK;
   return status;
 }
 
@@ -86,9 +59,8 @@ static double precondition(void *context, const double *r, double *z) {
 
 static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {
   multigrid *s = self;
-  if (!s->ready) return s->host->fail(s->host, HK_FAILED, "there is no matrix to solve with");
-  hk_gradients_system system = {&s->upper, precondition, s, s->tolerance, s->iterations};
-  return hk_gradients_solve(&s->gradients, &system, b, x, info);
+  hk_gradients_system system = {precondition, s, s->tolerance, s->iterations};
+  return hk_gradients_solve(&s->gradients, s->host, &system, b, x, info);
 }
 
 static const hk_solver solver = {.size = sizeof(hk_solver),

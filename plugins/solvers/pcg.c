@@ -5,8 +5,8 @@
  * fixed particle, whose rows have diagonal entries only. The preconditioners preserve this property: both are built
  * from the same blocks.
  *
- * The iteration is that of plugins/common/gradients/conjugate_gradients. Invariant: between calls `upper` and the
- * preconditioner have the pattern of the last analysis, and `ready` says that they have its numbers. Hestenes and
+ * The iteration is that of plugins/common/gradients/conjugate_gradients. Invariant: between calls `gradients` and
+ * the preconditioner have the pattern of the last analysis, and `ready` says that they have its numbers. Hestenes and
  * Stiefel 1952, J. Res. NBS 49; Baraff and Witkin 1998, Large steps in cloth simulation.
  *
  * For matrices whose factor does not fit into memory; where it does, `supernodal` is faster: a cloth of 160 x 160
@@ -25,9 +25,6 @@ typedef struct gradients {
   double tolerance;
   int64_t iterations;
   const hk_host *host;
-  size_t rows, block; /* sizes of the analysed matrix */
-  bool analyzed, ready;
-  hk_upper upper;
   hk_incomplete incomplete;
   hk_gradients gradients;
   double *inverse;  /* rows x block x block: inverses of the diagonal blocks */
@@ -39,11 +36,7 @@ static const hk_param params[] = {
     {"preconditioner", "", "block_jacobi: inverse 3x3 diagonal blocks; incomplete_cholesky: factors without fill",
      .choice = HK_AT(gradients, preconditioner), .initial = {INCOMPLETE_CHOLESKY},
      .choices = "block_jacobi|incomplete_cholesky"},
-    {"tolerance", "", "residual that will do, relative to the right-hand side, where the integrator asks for none",
-     .number = HK_AT(gradients, tolerance), .initial = {1e-8}, .limits = HK_ABOVE_TO(0, 1)},
-    {"iterations", "",
-     "limit; 0: 10 more than there are unknowns, which would do without rounding, or 1000 if that is more",
-     .integer = HK_AT(gradients, iterations), .limits = HK_WITHIN(0, 1e9)},
+    HK_GRADIENTS_PARAMS(gradients),
     {0},
 };
 
@@ -57,41 +50,29 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 /* ---- Pattern and numbers --------------------------------------------------------------------------------------- */
 
 static void forget(gradients *s) {
-  hk_upper_free(&s->upper, s->host);
   hk_incomplete_free(&s->incomplete, s->host);
   hk_gradients_free(&s->gradients, s->host);
   s->host->release(s->host, s->inverse);
   s->host->release(s->host, s->part);
   s->inverse = s->part = NULL;
-  s->analyzed = s->ready = false;
-}
-
-static hk_status no_memory(gradients *s, const hk_matrix *A) {
-  forget(s);
-  return s->host->fail(s->host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", A->rows * A->block);
 }
 
 static hk_status analyze(void *self, const hk_matrix *A) {
   gradients *s = self;
   const hk_host *host = s->host;
-  size_t n = A->rows * A->block;
   forget(s);
-  if (A->row_start[A->rows] >= UINT32_MAX)
-    return host->fail(host, HK_FAILED, "%zu blocks are more than 32-bit numbers can count", A->row_start[A->rows]);
-  s->rows = A->rows;
-  s->block = A->block;
-  if (hk_upper_analyze(&s->upper, host, A) != HK_OK) return no_memory(s, A);
-  if (s->preconditioner == INCOMPLETE_CHOLESKY && hk_incomplete_analyze(&s->incomplete, host, A) != HK_OK)
-    return no_memory(s, A);
-  s->inverse = host->allocate(host, (n * A->block + 1) * sizeof *s->inverse);
+  hk_status status = hk_gradients_analyze(&s->gradients, host, A);
+  if (status != HK_OK) return status;
+  bool incomplete = s->preconditioner == INCOMPLETE_CHOLESKY;
+  s->inverse = host->allocate(host, (A->rows * A->block * A->block + 1) * sizeof *s->inverse);
   s->part = host->allocate(host, (A->rows / CHUNK + 1) * sizeof *s->part);
-  if (!s->inverse || !s->part || hk_gradients_analyze(&s->gradients, host, n) != HK_OK) return no_memory(s, A);
-  s->analyzed = true;
-  return HK_OK;
+  if (s->inverse && s->part && (!incomplete || hk_incomplete_analyze(&s->incomplete, host, A) == HK_OK)) return HK_OK;
+  forget(s);
+  return hk_gradients_no_memory(host, A);
 }
 
 static hk_status not_definite(gradients *s, size_t row) {
-  if (s->block != 3)
+  if (s->gradients.block != 3)
     return s->host->fail(s->host, HK_NOT_CONVERGED, "the matrix is not positive definite, seen at row %zu", row + 1);
   return s->host->fail(s->host, HK_NOT_CONVERGED,
                        "the matrix is not positive definite, seen at the %zuth particle's %c: the step is too long for "
@@ -100,8 +81,8 @@ static hk_status not_definite(gradients *s, size_t row) {
 }
 
 static hk_status invert_diagonal(gradients *s, const hk_matrix *A) {
-  size_t b = s->block, bb = b * b;
-  for (size_t r = 0; r < s->rows; r++) {
+  size_t b = s->gradients.block, bb = b * b;
+  for (size_t r = 0; r < s->gradients.rows; r++) {
     size_t e = hk_upper_first(A, r);
     if (e == A->row_start[r + 1] || A->column[e] != r) return not_definite(s, b * r);
     const double *D = A->value + bb * e;
@@ -113,17 +94,14 @@ static hk_status invert_diagonal(gradients *s, const hk_matrix *A) {
 
 static hk_status factorize(void *self, const hk_matrix *A) {
   gradients *s = self;
-  if (!s->analyzed || A->rows != s->rows || A->block != s->block)
-    return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
-  s->ready = false;
-  hk_status status = invert_diagonal(s, A);
+  hk_status status = hk_gradients_fill(&s->gradients, s->host, A);
+  if (status == HK_OK) status = invert_diagonal(s, A);
   if (status != HK_OK) return status;
-  hk_upper_fill(&s->upper, s->host, A);
   if (s->preconditioner == INCOMPLETE_CHOLESKY && !hk_incomplete_factorize(&s->incomplete, s->host, A))
     return s->host->fail(s->host, HK_NOT_CONVERGED,
                          "the matrix has no incomplete Cholesky factors, however much its diagonal is raised: it is "
                          "not positive definite, or not finite");
-  s->ready = true;
+  s->gradients.ready = true;
   return HK_OK;
 }
 
@@ -134,11 +112,11 @@ static void apply_diagonal(void *context, size_t begin, size_t end, size_t chunk
   const gradients *s = context;
   const double *restrict I = s->inverse, *restrict r = s->r;
   double *restrict z = s->z, sum = 0;
-  for (size_t k = begin; k < end && s->block == 1; k++) {
+  for (size_t k = begin; k < end && s->gradients.block == 1; k++) {
     z[k] = I[k] * r[k];
     sum += r[k] * z[k];
   }
-  for (size_t k = begin; k < end && s->block == 3; k++) {
+  for (size_t k = begin; k < end && s->gradients.block == 3; k++) {
     const double *B = I + 9 * k, *u = r + 3 * k;
     double a = B[0] * u[0] + B[1] * u[1] + B[2] * u[2], b = B[3] * u[0] + B[4] * u[1] + B[5] * u[2];
     double c = B[6] * u[0] + B[7] * u[1] + B[8] * u[2];
@@ -155,8 +133,8 @@ static double block_jacobi(void *context, const double *r, double *z) {
   double sum = 0;
   s->r = r;
   s->z = z;
-  s->host->parallel_for(s->host, s->rows, CHUNK, apply_diagonal, s);
-  for (size_t k = 0; k < (s->rows + CHUNK - 1) / CHUNK; k++) sum += s->part[k];
+  s->host->parallel_for(s->host, s->gradients.rows, CHUNK, apply_diagonal, s);
+  for (size_t k = 0; k < (s->gradients.rows + CHUNK - 1) / CHUNK; k++) sum += s->part[k];
   return sum;
 }
 
@@ -167,10 +145,9 @@ static double incomplete_cholesky(void *context, const double *r, double *z) {
 
 static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {
   gradients *s = self;
-  if (!s->ready) return s->host->fail(s->host, HK_FAILED, "there is no matrix to solve with");
   bool jacobi = s->preconditioner == BLOCK_JACOBI;
-  hk_gradients_system system = {&s->upper, jacobi ? block_jacobi : incomplete_cholesky, s, s->tolerance, s->iterations};
-  return hk_gradients_solve(&s->gradients, &system, b, x, info);
+  hk_gradients_system system = {jacobi ? block_jacobi : incomplete_cholesky, s, s->tolerance, s->iterations};
+  return hk_gradients_solve(&s->gradients, s->host, &system, b, x, info);
 }
 
 static const hk_solver solver = {

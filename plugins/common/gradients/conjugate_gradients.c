@@ -8,23 +8,44 @@
 
 enum { CHUNK = 4096, SPARE = 8, LEAST_LIMIT = 1000 };
 
-hk_status hk_gradients_analyze(hk_gradients *s, const hk_host *host, size_t unknowns) {
+hk_status hk_gradients_no_memory(const hk_host *host, const hk_matrix *A) {
+  return host->fail(host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", A->rows * A->block);
+}
+
+hk_status hk_gradients_analyze(hk_gradients *s, const hk_host *host, const hk_matrix *A) {
+  size_t unknowns = A->rows * A->block;
   hk_gradients_free(s, host);
+  if (A->row_start[A->rows] >= UINT32_MAX)
+    return host->fail(host, HK_FAILED, "%zu blocks are more than 32-bit numbers can count", A->row_start[A->rows]);
   s->host = host;
   s->unknowns = unknowns;
   s->chunks = (unknowns + CHUNK - 1) / CHUNK;
   s->vectors = host->allocate(host, 5 * (unknowns + SPARE) * sizeof *s->vectors);
   s->part = host->allocate(host, (2 * s->chunks + 1) * sizeof *s->part);
-  if (!s->vectors || !s->part) return HK_NO_MEMORY;
+  if (hk_upper_analyze(&s->A, host, A) != HK_OK || !s->vectors || !s->part) {
+    hk_gradients_free(s, host);
+    return hk_gradients_no_memory(host, A);
+  }
   s->x = s->vectors;
   s->r = s->x + unknowns + SPARE;
   s->z = s->r + unknowns + SPARE;
   s->p = s->z + unknowns + SPARE;
   s->q = s->p + unknowns + SPARE;
+  s->rows = A->rows;
+  s->block = A->block;
+  return HK_OK;
+}
+
+hk_status hk_gradients_fill(hk_gradients *s, const hk_host *host, const hk_matrix *A) {
+  s->ready = false;
+  if (!s->vectors || A->rows != s->rows || A->block != s->block)
+    return host->fail(host, HK_FAILED, "the pattern of the matrix was not analysed");
+  hk_upper_fill(&s->A, host, A);
   return HK_OK;
 }
 
 void hk_gradients_free(hk_gradients *s, const hk_host *host) {
+  hk_upper_free(&s->A, host);
   host->release(host, s->vectors);
   host->release(host, s->part);
   *s = (hk_gradients){0};
@@ -101,7 +122,7 @@ static void next_direction(hk_gradients *s, double factor) {
 /* r = b - A x, with q = A x; returns |r|^2 and sets |b|^2. */
 static double true_residual(hk_gradients *s, const double *b, double *whole) {
   vector_task task = {.s = s, .b = b};
-  hk_upper_product(s->system->A, s->host, s->x, s->q);
+  hk_upper_product(&s->A, s->host, s->x, s->q);
   s->host->parallel_for(s->host, s->unknowns, CHUNK, compare, &task);
   *whole = add_parts(s, 1, s->chunks);
   return add_parts(s, 0, s->chunks);
@@ -130,7 +151,7 @@ static hk_status iterate(hk_gradients *s, double goal, int limit, int *iteration
   double rz = s->system->precondition(s->system->context, s->r, s->z);
   next_direction(s, 0);
   while (*iterations < limit) {
-    double curvature = hk_upper_product(s->system->A, s->host, s->p, s->q);
+    double curvature = hk_upper_product(&s->A, s->host, s->p, s->q);
     if (!(curvature > 0) || !isfinite(rz)) return bad_curvature(s, curvature, *iterations);
     ++*iterations;
     *left = step_along(s, rz / curvature);
@@ -148,8 +169,9 @@ static int limit_of(const hk_gradients *s, int64_t asked) {
   return limit < INT32_MAX ? (int)limit : INT32_MAX;
 }
 
-hk_status hk_gradients_solve(hk_gradients *s, const hk_gradients_system *system, const double *b, double *x,
-                             hk_solve_info *info) {
+hk_status hk_gradients_solve(hk_gradients *s, const hk_host *host, const hk_gradients_system *system, const double *b,
+                             double *x, hk_solve_info *info) {
+  if (!s->ready) return host->fail(host, HK_FAILED, "there is no matrix to solve with");
   double tolerance = info && info->tolerance > 0 ? info->tolerance : system->tolerance, whole, last = INFINITY;
   int limit = limit_of(s, system->iterations), iterations = 0;
   s->system = system;

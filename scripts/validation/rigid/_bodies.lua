@@ -2,6 +2,7 @@
 -- for a body with the principal moments I, under the force F at the point r from the centre of the moments; by
 -- numerics.ode, to some 13 digits. w and r are in the frame of the body, F in that of space.
 local numerics = require("numerics")
+local validation = require("validation")
 
 local bodies = {}
 
@@ -52,6 +53,21 @@ function bodies.axis(reference, source)
     list[k] = { name = "x axis, " .. ("xyz"):sub(k, k), reference = function() return reference()[k][1] end, scale = 1, source = source }
   end
   return list
+end
+
+-- A free asymmetric top that turns about all three axes, by the method `with`; of: what is the method's own.
+function bodies.free_top(with, of)
+  local I, w, t = { 1.5, 2, 3 }, { 0.1, 1, 0.2 }, 16
+  of.title = "Free asymmetric top by " .. with
+  of.quantities = bodies.axis(function() return bodies.attitude(I, { 1, 0, 0, 0 }, w, t) end, "Euler's equations, extrapolated to 1e-13")
+  of.together = true
+  of.solve = function(at)
+    local scene = hooke.scene { duration = t, fps = validation.fps(at.h), dt = at.h, integrator = with }
+    local body = scene:rigid { mass = 1, inertia = I, spin = w }
+    local R = bodies.rows(body, scene:run():state())
+    return { R[1][1], R[2][1], R[3][1] }
+  end
+  return validation.problem(of)
 end
 
 return bodies

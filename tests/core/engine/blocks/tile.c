@@ -178,12 +178,19 @@ static void a_force_that_can_be_passed_by_is_looked_at_in_every_step(void **stat
   }
 }
 
-/* The state after the run with a force without parts, whose work is F.v. */
-static double *state_beside_a_whole_force(const char *method, int threads, bool one_by_one) {
+enum variant {
+  WHOLE_FORCE /* a force without parts, whose work is F.v */,
+  LONG_SPRINGS /* each spans a third of the net */
+};
+
+/* The state after the run. */
+static double *state_of(enum variant v, const char *method, int threads, bool one_by_one) {
   test_engine e;
-  open_net(&e, method, threads, NEAR);
-  test_number(&e, test_plugin(&e, HK_FORCE, "fixture:weak_central"), "strength", 2);
+  open_net(&e, method, threads, v == LONG_SPRINGS ? N / 3 : NEAR);
+  if (v == WHOLE_FORCE) test_number(&e, test_plugin(&e, HK_FORCE, "fixture:weak_central"), "strength", 2);
   test_run(&e);
+  /* steps that are under way at once would gain nothing */
+  if (v == LONG_SPRINGS) assert_true(e.run->dynamics.tiles.order.depth < 4);
   assert_true(hk_tile_fits(&e.run->loop));
   if (one_by_one) e.run->loop.hooks.moved = do_nothing;
   test_advance(&e, STEPS * h);
@@ -195,13 +202,12 @@ static double *state_beside_a_whole_force(const char *method, int threads, bool 
 }
 
 /* Steps are then taken one after another, each block begun for the next step when it is finished: bit by bit. */
-static void beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps(void **state) {
+static void assert_bits_in_a_tile(enum variant v) {
   static const char *const methods[] = {"leapfrog", "stoermer"};
-  (void)state;
   for (int m = 0; m < 2; m++) {
-    double *steps = state_beside_a_whole_force(methods[m], 1, true);
+    double *steps = state_of(v, methods[m], 1, true);
     for (int threads = 1; threads <= 3; threads += 2) {
-      double *tiles = state_beside_a_whole_force(methods[m], threads, false);
+      double *tiles = state_of(v, methods[m], threads, false);
       assert_memory_equal(tiles, steps, (6 * N + 1) * sizeof *steps);
       free(tiles);
     }
@@ -209,34 +215,14 @@ static void beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps(void *
   }
 }
 
-/* The state after the run of a net in which a block is complete when a third of the step is done. */
-static double *state_of_long_springs(const char *method, int threads, bool one_by_one) {
-  test_engine e;
-  open_net(&e, method, threads, N / 3);
-  test_run(&e);
-  assert_true(e.run->dynamics.tiles.order.depth < 4); /* steps that are under way at once would gain nothing */
-  assert_true(hk_tile_fits(&e.run->loop));
-  if (one_by_one) e.run->loop.hooks.moved = do_nothing;
-  test_advance(&e, STEPS * h);
-  assert_int_equal(e.run->record.steps, STEPS);
-  double *X = malloc((6 * N + 1) * sizeof *X);
-  memcpy(X, e.run->state.X, (6 * N + 1) * sizeof *X);
-  test_engine_close(&e);
-  return X;
+static void beside_a_force_without_parts_a_tile_has_the_bits_of_its_steps(void **state) {
+  (void)state;
+  assert_bits_in_a_tile(WHOLE_FORCE);
 }
 
 static void steps_too_near_to_be_taken_at_once_keep_their_bits_in_a_tile(void **state) {
-  static const char *const methods[] = {"leapfrog", "stoermer"};
   (void)state;
-  for (int m = 0; m < 2; m++) {
-    double *steps = state_of_long_springs(methods[m], 1, true);
-    for (int threads = 1; threads <= 3; threads += 2) {
-      double *tiles = state_of_long_springs(methods[m], threads, false);
-      assert_memory_equal(tiles, steps, (6 * N + 1) * sizeof *steps);
-      free(tiles);
-    }
-    free(steps);
-  }
+  assert_bits_in_a_tile(LONG_SPRINGS);
 }
 
 /* m/s, of the fastest particle after 50 steps. */
