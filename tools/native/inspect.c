@@ -81,6 +81,17 @@ static int get_files(lua_State *L) {
   return 1;
 }
 
+/* sharpen(subject, part): a force that is not computed to rounding makes its errors `part` of what they were. */
+static int sharpen(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  double part = luaL_checknumber(L, 2);
+  if (!s->force->approximation.sharpen) return 0;
+  hk_subject_enter(s, "sharpen");
+  s->force->approximation.sharpen(s->instance->self, part);
+  hk_subject_leave(s);
+  return 0;
+}
+
 /* ---- the state ---- */
 
 /* state(subject) -> {n, t, x, v, y}. */
@@ -341,6 +352,7 @@ int luaopen_inspect(lua_State *L) {
                                        {"clock", set_clock},
                                        {"files", get_files},
                                        {"open", hk_subject_open},
+                                       {"sharpen", sharpen},
                                        {"state", get_state},
                                        {"set", set_state},
                                        {"force", get_force},

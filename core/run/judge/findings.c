@@ -77,7 +77,7 @@ static void add_compared(const words *w, const hk_finding *f) {
   const hk_sampling *times = &w->j->comparisons.sampling;
   switch (f->fault) {
   case HK_NOT_CHECKED:
-    add(w, "the accuracy asked for could not be checked");
+    add(w, s->accuracies > 0 ? "the accuracy asked for could not be checked" : "no memory was left to check the run");
     break;
   case HK_ERROR:
     add_error(w, f);

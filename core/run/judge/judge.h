@@ -275,7 +275,7 @@ typedef enum hk_fault {
   HK_INTERSECTIONS,        /* of surfaces */
   HK_EXACT_FAILED,         /* the function that gives the exact solution */
   HK_BY_HAND,              /* J: an accuracy was asked for, and no other run repeats what a hand did */
-  HK_NOT_CHECKED,          /* an accuracy was asked for, and no comparison was possible */
+  HK_NOT_CHECKED,          /* no comparison was possible, though an accuracy was asked for, or for want of memory */
   HK_ERROR,                /* relative to what is allowed, by comparison with other runs */
   HK_DAMPED,               /* m, by swings that both runs damp */
   HK_PULSE,                /* s: a function of time that acts between evaluations */
@@ -320,6 +320,7 @@ typedef struct hk_remedy {
 typedef struct hk_comparisons {
   bool tried;     /* the error is judged by them */
   bool reference; /* it is that to an independent method */
+  bool not_begun; /* there was no memory for them */
   bool energy_converges;
   double error;            /* relative to what is asked, or to what is visible; NAN: not known */
   double position, at;     /* m, RMS, at the moment s of the largest difference; NAN: not known */

@@ -107,7 +107,7 @@ static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_
     if (c->tried && s->accuracies > 0) find(o, HK_BY_HAND, s->hand_work, NAN, 0);
     return;
   }
-  if (c->tried && isnan(c->error) && s->accuracies > 0) find(o, HK_NOT_CHECKED, NAN, NAN, 0);
+  if (c->tried && isnan(c->error) && (s->accuracies > 0 || c->not_begun)) find(o, HK_NOT_CHECKED, NAN, NAN, 0);
   double order = c->order > 0 ? fmin(c->order, e->order) : e->abrupt ? 1 : e->order;
   if (c->tried) find_above(o, HK_ERROR, c->error, 1, order);
   find_above(o, HK_DAMPED, c->damped, s->accuracy, e->order);

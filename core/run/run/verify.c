@@ -146,15 +146,16 @@ hk_status hk_verify(const hk_scene_loader *loader, const hk_run_options *first, 
   }
   hk_status status = hk_comparison_open(&c, error);
   found->sampling = c.sampling;
+  found->not_begun = status != HK_OK;
   if (whole->options.progress > 0 && asked && whole->loop.seconds > 1)
     fprintf(stderr, "hooke: comparing the run with others, which takes some %.0f s\n", 2.5 * whole->loop.seconds);
   if (status == HK_OK && (half || asked)) status = hk_comparison_take_half(&c, error);
   if (c.compared) found->difference = hk_comparison_difference(&c);
   if (judged && asked && c.compared)
     judge_accuracy(&c);
-  else if (judged && asked)
+  else if (judged && (asked || status != HK_OK))
     judge_without_half(&c);
-  else if (judged && status == HK_OK && whole->judgement.keeps_trajectory)
+  else if (judged && whole->judgement.keeps_trajectory)
     judge_motion(&c);
   found->wall_s = hk_clock() - begin;
   hk_run_summary(whole, s);

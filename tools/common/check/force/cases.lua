@@ -150,6 +150,7 @@ end
 
 local function is_zero(p) return p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0 end
 
+local NEGLIGIBLE = 1e-9 -- part of its errors that a force keeps where differences of it are taken
 local MADE = {} -- a value that is made for the scene
 
 -- Settings of the parameters: first the required ones and numbers that are zero by default; then in addition, one at a
@@ -287,7 +288,7 @@ end
 
 -- Calls body(subject, case, run) for every accepted case for which wanted(case) is true (nil: all). Raises an error when
 -- there is none, with the reason of the first refusal. options: those of cases.open; side; destroy: the run ends with the
--- body.
+-- body; exact: a force that is not computed to rounding (approximation/1) is made to.
 function cases.each(plugin, lines, wanted, body, options)
   local tried, refused = 0, nil
   for _, case in ipairs(cases.list(plugin)) do
@@ -298,6 +299,7 @@ function cases.each(plugin, lines, wanted, body, options)
         tried = tried + 1
         collectgarbage() -- the subjects before, with their arrays
         local subject = inspect.open(run, plugin.name, options and options.side)
+        if options and options.exact then inspect.sharpen(subject, NEGLIGIBLE) end
         case.limits = plugin.has and plugin.has.step_limit
         if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
         if options and options.destroy then inspect.destroy(run) end -- else with the script, which is never

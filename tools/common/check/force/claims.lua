@@ -37,7 +37,7 @@ local function keeps_momenta(plugin, lines)
       -- A pair close together far from the origin loses digits in x; its moment is known as well as x is.
       angular:take(L, case.name)
     end
-  end)
+  end, { exact = true })
   if plugin.momentum then
     lines:most("momentum is kept, as claimed", linear.figure, ROUNDING,
       "the forces of a tuple must sum to zero; or drop HK_CONSERVES_MOMENTUM", linear.where)

@@ -34,7 +34,7 @@ local function at_random_states(plugin, lines, body, wanted)
       local x, v = cases.random_state(subject, case, seed)
       body(subject, case, x, v)
     end
-  end)
+  end, { exact = true })
 end
 
 -- ---- energy ----
