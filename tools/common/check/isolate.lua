@@ -8,6 +8,8 @@ local isolate = {}
 
 local BYTES = 4 << 30 -- address space; a check takes some tens of megabytes, the threads' stacks some hundreds
 
+local PATIENCE = 10 -- times its seconds that a child may take which computes
+
 local signals = { [2] = "SIGINT", [4] = "SIGILL", [6] = "SIGABRT", [7] = "SIGBUS", [8] = "SIGFPE", [9] = "SIGKILL",
   [11] = "SIGSEGV", [15] = "SIGTERM", [24] = "SIGXCPU", [25] = "SIGXFSZ" }
 
@@ -71,15 +73,30 @@ local function read_lines(state, text, on_found)
   state.parts = { all:sub(from) }
 end
 
+-- Clock ticks of a processor that the process has had; "" where that cannot be read.
+local function computed(pid)
+  local file = io.open(("/proc/%d/stat"):format(pid))
+  local text = file and file:read("a") or ""
+  if file then file:close() end
+  return text:match("^.*%) " .. ("%S+ "):rep(11) .. "(%S+ %S+)") or ""
+end
+
+-- On a busy machine a child that computes is slow; the limit of its own processor time ends it where it does so forever.
 local function follow(pid, fd, seconds, on_found)
-  local state, deadline = { parts = {} }, process.clock() + seconds
+  local state, said, ticks = { parts = {} }, process.clock(), ""
+  local moved = said
   while true do
     local text = process.ready({ fd }, 0.1)[fd] and process.read(fd)
     if text == "" then break end
+    local now, had = process.clock(), computed(pid)
     if text then
       read_lines(state, text, on_found)
-      deadline = process.clock() + seconds
-    elseif process.clock() > deadline then
+      said, moved = now, now
+    elseif had ~= ticks then
+      moved = now
+    end
+    ticks = had
+    if now > moved + seconds or now > said + PATIENCE * seconds then
       process.kill(pid)
       state.late = true
       break
@@ -90,7 +107,8 @@ local function follow(pid, fd, seconds, on_found)
   return state
 end
 
--- Runs body(teller, fd) in a child that is ended when it says nothing for `seconds`: teller.at(text) says where it is,
+-- Runs body(teller, fd) in a child that is ended when it says nothing for `seconds` of a processor, or of the clock without
+-- computing: teller.at(text) says where it is,
 -- teller.tell(table) what it found, which comes to on_found(table) here at once. Returns nil or, where the child did not
 -- come to its end, what ended it in a sentence; the place where it was then; what it printed on standard output, and on
 -- standard error.
@@ -107,7 +125,8 @@ function isolate.run(seconds, body, on_found)
     ended = state.how == "signal" and ("the process was ended by signal %d (%s)"):format(state.code,
       signals[state.code] or "?") or ("it ends the process with exit code %d"):format(state.code)
   end
-  return ended, state.place, printed, complaint, state.late
+  local late = state.late or ended and ended:find("does not end", 1, true) ~= nil -- also by its processor time
+  return ended, state.place, printed, complaint, late
 end
 
 return isolate
