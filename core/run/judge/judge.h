@@ -61,8 +61,7 @@ typedef struct hk_distance {
  * particles are not the same, or no moment is, `position` is NAN. */
 hk_distance hk_trajectory_distance(const hk_trajectory *, const hk_trajectory *, const hk_scene *,
                                    const double *channel_accuracy, double from, double until);
-double hk_trajectory_time(const hk_trajectory *,
-                          double part); /* s, after this part of the moments, of which there are some */
+double hk_trajectory_time(const hk_trajectory *, double part); /* s, after this part of the moments (some) */
 /* m, how far the particles get from their start, RMS, at most. */
 double hk_trajectory_motion(const hk_trajectory *);
 /* m, RMS: the distance of the particles from their first moment; 0 where others are there. */
@@ -103,10 +102,9 @@ enum { HK_SAMPLING_PIECES = 500, HK_SAMPLING_JUMPS = 100 };
 
 /* What random samples of the functions of time, of forces, constraints, correctors and pins, say of the run so far. */
 typedef struct hk_sampling {
-  bool varies; /* a function varies between the times at which the run evaluated it */
-  double
-      shortest; /* s, shortest time in which one was seen to do so: a pulse's length, half a period; INFINITY: none */
-  double begin, end;                /* s, first time in which that function does so */
+  bool varies;       /* a function varies between the times at which the run evaluated it */
+  double shortest;   /* s, of such variation as was seen: a pulse's length, half a period; INFINITY: none */
+  double begin, end; /* s, first time in which that function does so */
   const char *where, *label, *name; /* script line, plugin and parameter of that function; NULL: none varies */
   /* s: what was assumed: no pulse is shorter than this; `declared` where that is larger. 0: there are no functions */
   double assumed;
@@ -143,8 +141,7 @@ double hk_missed_encounters_error(const hk_loop *); /* m, RMS over the particles
 
 /* ---- own_damping.c ---- */
 
-/* s, see hk_summary; by the growth factors of methods that damp whatever they do not resolve, and estimate no errors.
- */
+/* s, see hk_summary; by the growth factors of methods that damp what they do not resolve and estimate no errors. */
 double hk_damps_below(const hk_loop *);
 /* s: what swings faster than that has lost half of its amplitude by the present time. */
 double hk_damps_by_now(const hk_loop *);
