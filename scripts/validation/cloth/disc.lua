@@ -50,13 +50,14 @@ end
 local reference
 local function least_energy()
   if reference then return reference end
-  local p, q, y = density * g * (b - c) ^ 2 / (2 * B), 0.01, nil
+  local p, q, y = density * g * (b - c) ^ 2 / (2 * B), 0.01, {}
   for _ = 1, 40 do
-    local f, k, e = nil, nil, 1e-6
-    f, k, y = shoot(p, q)
+    local f, k, now = shoot(p, q)
+    local e = 1e-6
     local f_p, k_p = shoot(p + e, q)
     local f_q, k_q = shoot(p, q + e)
     local a11, a12, a21, a22 = (f_p - f) / e, (f_q - f) / e, (k_p - k) / e, (k_q - k) / e
+    y = now
     local det = a11 * a22 - a12 * a21
     p, q = p - (f * a22 - k * a12) / det, q - (k * a11 - f * a21) / det
   end
