@@ -15,6 +15,8 @@
 
 #include "core/plugin.h"
 
+#include <math.h>
+
 typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
   int64_t newest; /* which of the two a it is */
@@ -74,6 +76,29 @@ static double weigh(const hk_model *model, const double *a) {
   return sum;
 }
 
+/* kg m^2/s^4: by how much the sum of m (a^2 - b^2) has changed from the start of the step, in `spare`, to its end;
+ * a_from and a_to are those there. b is what a correction leaves of a: none where it takes back what the velocity has
+ * gained in the step, and all where it is not against it. end: before the correction. */
+static double borne_more(const hk_system *s, const double *a_from, const double *a_to, const double *end) {
+  const double *before = s->spare + 3 * s->n, *free = end + 3 * s->n, *v = s->X + 3 * s->n;
+  double sum = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    double from = 0, to = 0, gained = 0, square = 0;
+    if (!(s->model->inverse_mass[i] > 0)) continue;
+    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+      double change = v[k] - free[k];
+      from += a_from[k] * change;
+      to += a_to[k] * change;
+      gained -= (free[k] - before[k]) * change;
+      square += change * change;
+    }
+    if (!(square > 0) || !(gained > 0)) continue;
+    double left = fmax(0, 1 - square / gained);
+    sum += s->model->mass[i] * (1 - left * left) * (to * to - from * from) / square;
+  }
+  return sum;
+}
+
 /* W, of pins and forces in the middle of the step from `spare` to `end`: at the mean of both positions, with their
  * difference over h as velocity. Writes over `spare`, and over the slope that is not the newest. */
 static hk_status power_in_the_middle(leapfrog *m, hk_system *s, const double *end, double h, double *watt) {
@@ -101,7 +126,8 @@ static hk_status account(void *self, const void *method, hk_system *s, const dou
   if (s->constraint && s->constraint->holonomic) return HK_OK; /* the slope is that of RATTLE's next step */
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  kept = h * h / 8 * (kept - weigh(s->model, slope_of(m, s, m->newest)));
+  const double *a = slope_of(m, s, m->newest);
+  kept = h * h / 8 * (kept - weigh(s->model, a) + borne_more(s, slope_of(m, s, m->newest + 1), a, end));
   double after = dy[rest - 1];
   if (m->power != 0 || at_end != 0 || after != 0) status = power_in_the_middle(m, s, end, h, &middle);
   m->primed = status == HK_OK;

@@ -180,19 +180,28 @@ static bool slides(particle_path *m, const event *e, double limit, const double 
   return true;
 }
 
+/* The reaction that friction follows, where N keeps the end of the path on the surface: a drift towards it, of h a/2
+ * over the number of its parts for a step in parts of order 1, is no load. */
+static double load_of(const particle_path *m, const event *e, double N, double radius, const double n[3]) {
+  hk_parabola own = e->path;
+  double n_end[3];
+  if (!(hk_length(m->drift) > rest * hk_length(m->a) * m->step->h)) return N;
+  hk_copy(own.w, e->w);
+  return reaction(&own, e->o, radius, n, n_end);
+}
+
 /* The velocity at the end is that of a normal which has turned half of the way: order 2 on curved surfaces. */
 static void lie(particle_path *m, const event *e, const double n[3]) {
   const hk_obstacle *o = e->o;
   const hk_parabola *path = &e->path;
-  double tau = path->span, along[3] = {0}, p[3], w[3], n_end[3];
-  double N = reaction(path, o, hk_obstacle_radius(o, m->step->i), n, n_end);
+  double tau = path->span, radius = hk_obstacle_radius(o, m->step->i), along[3] = {0}, p[3], w[3], n_end[3], n_now[3];
+  double N = reaction(path, o, radius, n, n_end);
   *(N > 0 ? &m->resting : &m->leaving) |= e->bit;
   if (N == 0) return;
   m->reactions++;
+  bool moves = slides(m, e, o->friction * load_of(m, e, N, radius, n), n, along);
   forget_drift(m);
-  bool moves = slides(m, e, o->friction * N, n, along);
   if (!moves) m->stuck |= e->bit;
-  double radius = hk_obstacle_radius(o, m->step->i), n_now[3];
   double inside = radius - hk_shape_distance(&o->shape, path->p, n_now);
   hk_parabola_at(path, moves ? tau : 0, p, w);
   for (int c = 0; c < 3; c++) {

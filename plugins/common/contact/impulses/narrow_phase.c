@@ -22,9 +22,19 @@ static double distance_along(const hk_pair_frame *f, const double y[12]) {
   return sum;
 }
 
+/* What slides over a surface meets its edges and corners from the side, at the thickness and as much below it as the
+ * step falls before the surface holds it. As an impact of its own that would be a stop, by a normal which is not the
+ * surface's: up to this part of the thickness it is left to the frame of the end, as of slow pairs. */
+static const double grazing = 0.1;
+
+static bool grazes(const hk_feature_pair *pair, const hk_pair_path *path) {
+  double when, depth = grazing * pair->offset;
+  return !hk_ccd(pair->kind, path->from, path->to, pair->offset - depth, 0.1 * depth, &when);
+}
+
 /* A fast pair, whose frame at the end may be that of another place: it collides, with the frame of the instant at which
- * its gap closes, or it is left alone, also where it only touches at that instant. Where impulses on others turn it,
- * the next narrow phase finds its new contact. */
+ * its gap closes, or it is left alone, also where it only touches at that instant or grazes. Where impulses on others
+ * turn it, the next narrow phase finds its new contact. */
 static void examine_fast(const hk_feature_pair *pair, const hk_pair_path *path, double from, double motion,
                          hk_narrow_phase *p) {
   double least = hk_least_distance(pair->offset, from), to = p->gap_to + pair->offset, when;
@@ -33,6 +43,7 @@ static void examine_fast(const hk_feature_pair *pair, const hk_pair_path *path, 
     if (!hk_comes_within(pair->kind, path, pair->offset, &when)) return;
     there.frame = frame_at(pair->kind, path, when);
     there.on_the_way = distance_along(&there.frame, path->to) < pair->offset;
+    if (there.on_the_way && grazes(pair, path)) return;
   }
   if ((from + to - motion) / 2 <= least && hk_comes_within(pair->kind, path, least, &when)) {
     there.state = HK_PAIR_UNSAFE;
