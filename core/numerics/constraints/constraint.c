@@ -31,13 +31,16 @@ static const double shift = 1e-11, dependent = 1e-13;
 static void find_contacts(hk_dynamics *d, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   double size = hk_constraint_extent(c, x);
+  bool free = c->equations > c->one_sided_count; /* of contact, beside equalities */
   hk_constraint_rate(c, v, c->residual, c->correction);
   for (size_t k = 0; k < c->equations; k++) {
     bool touches = c->one_sided[k] && hk_constraint_touches(c, k, size) &&
                    c->residual[k] <= hk_constraint_resting * (c->correction[k] + size);
     c->jumped |= touches != c->touches[k];
     c->touches[k] = touches;
+    free &= !touches;
   }
+  c->table.holonomic = free;
   hk_constraint_note_start(c);
 }
 

@@ -113,7 +113,7 @@ static bool consequences_hold(hk_constraints *c, double size) {
   for (size_t k = 0; k < c->equations; k++) hold &= !c->implied[k] || fabs(c->g[k]) <= implied_tolerance * size;
   if (hold) return true;
   memset(c->implied, 0, c->equations * sizeof *c->implied);
-  memset(c->rests, 0, c->equations * sizeof *c->rests);
+  memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
   return false;
 }
 
@@ -269,8 +269,8 @@ hk_status hk_constraints_violation(hk_dynamics *d, double *violation) {
 
 static hk_status linearise(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
-  c->kept = false;
-  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
+  for (size_t k = 0; k < c->equations; k++) c->rests[k] = c->one_sided[k] || c->implied[k];
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v); /* nothing is kept any more */
   if (status == HK_OK) status = hk_constraint_speed(d, t, x, v);
   if (status == HK_OK) status = hk_constraint_matrix_factorize(d);
   if (status != HK_OK) return status;
