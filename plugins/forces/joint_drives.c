@@ -1,11 +1,11 @@
-/* Drives of joints: springs, dampers, motors and friction in joints. Of the coordinate q of a joint, the angle of a hinge or the
- * way of a slider (plugins/common/mechanisms/coordinate.h), and its rate u, the generalised force is
- *     Q = -k (q - rest(t)) - damping (u - speed(t)), within -most and most,    and beside it -friction tanh(u/slip),
- * so that a motor is a force with a bound (a controller of proportion and rate), not an equation. It acts as Q grad q,
- * on the bodies a pure torque about the axis, or a force along it, without momentum. Without a bound the spring has the
- * energy 1/2 k (q - rest)^2; what is bounded has none, and all its power is counted as work.
- * Coulomb's friction is regularised: below the speed `slip` it is nearly viscous, friction u/slip, so that what should
- * stick creeps; its step is that of the damping friction/slip.
+/* Drives of joints: springs, dampers, motors and friction in joints. Of the coordinate q of a joint, the angle of a
+ * hinge or the way of a slider (plugins/common/mechanisms/coordinate.h), and its rate u, the generalised force is Q =
+ * -k (q - rest(t)) - damping (u - speed(t)), within -most and most,    and beside it -friction tanh(u/slip), so that a
+ * motor is a force with a bound (a controller of proportion and rate), not an equation. It acts as Q grad q, on the
+ * bodies a pure torque about the axis, or a force along it, without momentum. Without a bound the spring has the energy
+ * 1/2 k (q - rest)^2; what is bounded has none, and all its power is counted as work. Coulomb's friction is
+ * regularised: below the speed `slip` it is nearly viscous, friction u/slip, so that what should stick creeps; its step
+ * is that of the damping friction/slip.
  *
  * Invariant: `turned` has the angle at the last accepted step, counted on through whole turns; an angle of a state is
  * the one nearest to it. */
@@ -80,6 +80,10 @@ static hk_status check(const drives *s, const hk_host *host) {
                       "speed: nothing drives to %g, since damping is 0: give a damping, the torque or force for a "
                       "difference of speed",
                       s->speed);
+  if (s->rest != 0 && s->k == 0)
+    return host->fail(host, HK_BAD_PARAM, "rest: nothing pulls to %g, since k is 0: give a stiffness", s->rest);
+  if (bounded(s) && s->k == 0 && s->damping == 0)
+    return host->fail(host, HK_BAD_PARAM, "most: there is nothing to bound, since k and damping are 0: give one");
   return HK_OK;
 }
 

@@ -4,6 +4,8 @@
 #include "plugins/common/shells/hinge_lane.h"
 #include "plugins/kit/vector3.h"
 
+static const double alike = 1e-9; /* relative */
+
 static hk_status check_turn(const hk_coordinate *q, const hk_view *view, size_t k) {
   const uint32_t *point = hk_tuple(&q->points, k);
   const uint32_t *id = view->model->id;
@@ -17,10 +19,27 @@ static hk_status check_turn(const hk_coordinate *q, const hk_view *view, size_t 
                           (unsigned)id[point[3]]);
 }
 
+/* The frame of a hinge has two points on its axis and two across it. */
+static hk_status check_way(const hk_coordinate *q, const hk_view *view, size_t k) {
+  const uint32_t *point = hk_tuple(&q->points, k);
+  double apart[3], size;
+  hk_subtract(apart, view->x + 3 * (size_t)point[1], view->x + 3 * (size_t)point[0]);
+  size = hk_length(apart);
+  if (fabs(size - hk_tuple_value(&q->length, k) / 2) > alike * size ||
+      fabs(hk_way(view->x, point, hk_tuple_value(&q->length, k))) > alike * size)
+    return HK_OK;
+  return view->host->fail(view->host, HK_BAD_PARAM,
+                          "points: tuple %zu is the frame of a hinge, which has an angle and no way: of = \"turn\" "
+                          "takes it",
+                          k + 1);
+}
+
 hk_status hk_coordinate_start(hk_coordinate *q, const hk_view *view) {
   hk_status status = HK_OK;
-  if (q->kind == HK_COORDINATE_WAY) return hk_way_lengths(view, &q->points, &q->length);
-  for (size_t k = 0; k < q->points.count && status == HK_OK; k++) status = check_turn(q, view, k);
+  bool way = q->kind == HK_COORDINATE_WAY;
+  if (way) status = hk_way_lengths(view, &q->points, &q->length);
+  for (size_t k = 0; k < q->points.count && status == HK_OK; k++)
+    status = way ? check_way(q, view, k) : check_turn(q, view, k);
   return status;
 }
 

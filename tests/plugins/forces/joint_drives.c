@@ -137,6 +137,10 @@ static void refused(const char *drive, const char *text) {
 static void what_drives_nothing_gets_a_sentence(void **state) {
   (void)state;
   refused("k = 1", "points");
+  refused("points = { j:frame() }, of = 'way', k = 1",
+          "tuple 1 is the frame of a hinge, which has an angle and no way");
+  refused("points = { j:frame() }, rest = 1", "nothing pulls to 1, since k is 0");
+  refused("points = { j:frame() }, most = 1", "there is nothing to bound");
   refused("points = { j:frame() }, speed = 3", "nothing drives to 3, since damping is 0");
   refused("points = { { a:point{0, 0, 0}, a:point{0, 0, 1}, a:point{0, 0, 2}, a:point{1, 0, 0} } }, k = 1",
           "another one is on their line");
