@@ -7,8 +7,10 @@ local w, r0, m, t = 2, 0.1, 3, 1 -- rad/s, m, kg, s
 return validation.problem {
   title = "A bead on a turning rod",
   quantities = {
-    { name = "distance", unit = "m", reference = r0 * (math.exp(w * t) + math.exp(-w * t)) / 2, source = "closed form (Landau and Lifshitz, Mechanics, 39)" },
-    { name = "force", unit = "N", reference = 2 * m * w * r0 * w * (math.exp(w * t) - math.exp(-w * t)) / 2, source = "closed form, 2 m w r'" },
+    { name = "distance", unit = "m", reference = r0 * (math.exp(w * t) + math.exp(-w * t)) / 2,
+      source = "closed form (Landau and Lifshitz, Mechanics, 39)" },
+    { name = "force", unit = "N", reference = m * w * r0 * w * (math.exp(w * t) - math.exp(-w * t)),
+      source = "closed form, 2 m w r'" },
   },
   time = { 0.02, 0.01, 0.005 },
   order = { time = 2 },
