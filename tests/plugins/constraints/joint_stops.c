@@ -124,6 +124,26 @@ static void a_stop_out_of_reach_changes_nothing(void **state) {
   }
 }
 
+/* A pendulum that falls on a stop once in a second keeps its energy through all impacts: each ends a part of a step,
+ * and the parts are those of the method, of order 8. */
+static void impacts_leave_a_method_its_order(void **state) {
+  (void)state;
+  test_write("hit.lua",
+             "local scene = hooke.scene { duration = 10, fps = 10, dt = 1 / 200, integrator = 'kahan_li8' }\n"
+             "scene:force('gravity', { g = {0, 0, -10} })\n"
+             "local a = scene:rigid { shape = 'box', size = {1, 0.4, 0.2}, mass = 3, position = {0.5, 0, 0} }\n"
+             "local j = scene:joint { kind = 'hinge', a = a, at = {0, 0, 0}, axis = {0, 1, 0} }\n"
+             "scene:constraint('joint_stops', { points = { j:frame() }, lower = -1, upper = 2.5, bounce = 1 })\n"
+             "local most = 0\n"
+             "scene:on_frame(function(s) most = math.max(most, j:angle(s)) end)\n"
+             "scene:measure('most', function(s) return most end)\n"
+             "scene:measure('E', function(s) return s:energy() end)\nreturn scene\n");
+  test_hooke(&r, NULL, "run hit.lua --json --quiet --no-output --no-check");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  near("E", 0, 1e-9);
+  near("most", 2.4, 0.1);
+}
+
 static void refused(const char *stop, const char *text) {
   static char scene[1024];
   snprintf(scene, sizeof scene,
@@ -150,6 +170,7 @@ int main(void) {
       cmocka_unit_test(what_has_come_to_rest_is_borne),
       cmocka_unit_test(a_hinge_swings_between_its_stops),
       cmocka_unit_test(a_stop_out_of_reach_changes_nothing),
+      cmocka_unit_test(impacts_leave_a_method_its_order),
       cmocka_unit_test(limits_that_cannot_be_get_a_sentence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
