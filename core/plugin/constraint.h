@@ -8,10 +8,12 @@ enum {                   /* hk_constraint.flags */
        HK_ONE_SIDED = 1, /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
        /* For rigid bodies: what the host holds their particles and joints together by. Pairs are those of the first
         * list of edges among the parameters. */
-       HK_DISTANCES = 2,  /* equation k is L - |x_j - x_i| of pair k. L is constant, the value of the first parameter
-                             per tuple, which `create` fills with the distance at the start where it is not given */
-       HK_DIFFERENCES = 4 /* equations 3 k to 3 k + 2 keep x_j - x_i of pair k, as at the start where nothing else is
+       HK_DISTANCES = 2,   /* equation k is L - |x_j - x_i| of pair k. L is constant, the value of the first parameter
+                              per tuple, which `create` fills with the distance at the start where it is not given */
+       HK_DIFFERENCES = 4, /* equations 3 k to 3 k + 2 keep x_j - x_i of pair k, as at the start where nothing else is
                              given */
+       HK_WAYS = 8         /* equation k keeps (b - a).(d - c)/l of the k-th four points a, b, c, d of the first list of
+                              tetrahedra, with l their distance |d - c| at the start, as at the start */
 };
 
 /* `count` equations whose value is in metres. The force J^T lambda on the particles is towards growing g; scripts read
@@ -30,6 +32,9 @@ typedef struct hk_constraint {
   /* Called at the start of every step; sets *changed, false on entry, when count or pattern differ from before. May be
    * NULL. */
   hk_status (*update)(void *self, const hk_view *view, bool *changed);
+  /* Of one-sided equations, each for `count` equations, once per topology: the coefficient of restitution, 0 to 1, the
+   * speed of g after an impact in parts of that before, and the speed, m/s, below which it is 0. NULL: 0. */
+  void (*restitution)(void *self, double *part, double *least);
 } hk_constraint;
 
 /* ---- "bodies/1", which the host serves itself -------------------------------------------------------------------- */

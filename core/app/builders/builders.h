@@ -15,13 +15,13 @@ int hk_build_mesh(lua_State *L);
 int hk_build_body(lua_State *L);
 int hk_build_rigid(lua_State *L);
 int hk_build_joint(lua_State *L);
-void hk_lua_open_rigid(lua_State *L); /* the metatable of their handles */
+void hk_lua_open_rigid(lua_State *L); /* the metatables of their handles */
+void hk_lua_open_joint(lua_State *L);
 int hk_build_membrane(lua_State *L);
 int hk_build_block(lua_State *L);
 int hk_build_tetrahedra(lua_State *L);
 int hk_build_surface(lua_State *L);
 int hk_build_implicit(lua_State *L);
-int hk_lua_gust(lua_State *L); /* hooke.gust{} */
 
 /* ---- for builders; errors begin with `what` ---- */
 

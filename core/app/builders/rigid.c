@@ -38,7 +38,7 @@ static void push_numbers(lua_State *L, const double *list, int count) {
 
 /* ---- of a state ---- */
 
-static hk_rigid_motion motion(lua_State *L, const hk_lua_rigid *r, const char *form) {
+hk_rigid_motion hk_rigid_motion_at(lua_State *L, const hk_lua_rigid *r, const char *form) {
   double x[12], v[12];
   hk_run *run = hk_lua_state_run(L, 2);
   if (!run) hk_lua_fail(L, HK_BAD_PARAM, "expected a state, as in %s, got %s", form, hk_lua_kind(L, 2));
@@ -52,24 +52,37 @@ static hk_rigid_motion motion(lua_State *L, const hk_lua_rigid *r, const char *f
   return hk_rigid_motion_of(&r->body, x, v);
 }
 
+void hk_rigid_place_of(const hk_rigid_body *b, const hk_rigid_motion *m, const double y[3], double x[3]) {
+  for (int c = 0; c < 3; c++) {
+    x[c] = m->center[c];
+    for (int d = 0; d < 3; d++) x[c] += m->attitude[3 * c + d] * (y[d] - b->center[d]);
+  }
+}
+
 static int push_vector(lua_State *L, const double vector[3]) {
   push_numbers(L, vector, 3);
   return 1;
 }
 
-static int position(lua_State *L) { return push_vector(L, motion(L, self(L), "body:position(state)").center); }
-static int velocity(lua_State *L) { return push_vector(L, motion(L, self(L), "body:velocity(state)").velocity); }
-static int spin(lua_State *L) { return push_vector(L, motion(L, self(L), "body:spin(state)").spin); }
-static int momentum(lua_State *L) { return push_vector(L, motion(L, self(L), "body:momentum(state)").momentum); }
+static int position(lua_State *L) {
+  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:position(state)").center);
+}
+static int velocity(lua_State *L) {
+  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:velocity(state)").velocity);
+}
+static int spin(lua_State *L) { return push_vector(L, hk_rigid_motion_at(L, self(L), "body:spin(state)").spin); }
+static int momentum(lua_State *L) {
+  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:momentum(state)").momentum);
+}
 
 static int energy(lua_State *L) {
-  lua_pushnumber(L, motion(L, self(L), "body:energy(state)").energy);
+  lua_pushnumber(L, hk_rigid_motion_at(L, self(L), "body:energy(state)").energy);
   return 1;
 }
 
 /* About the centre of mass, or about a place that is given. */
 static int angular_momentum(lua_State *L) {
-  hk_rigid_motion m = motion(L, self(L), "body:angular_momentum(state)");
+  hk_rigid_motion m = hk_rigid_motion_at(L, self(L), "body:angular_momentum(state)");
   double about[3];
   if (lua_isnoneornil(L, 3)) return push_vector(L, m.angular_momentum);
   hk_lua_vector(L, 3, "body:angular_momentum(state, {x, y, z})", about);
@@ -80,7 +93,7 @@ static int angular_momentum(lua_State *L) {
 
 /* The quaternion {w, x, y, z}, and the matrix by rows. */
 static int attitude(lua_State *L) {
-  hk_rigid_motion m = motion(L, self(L), "body:attitude(state)");
+  hk_rigid_motion m = hk_rigid_motion_at(L, self(L), "body:attitude(state)");
   double q[4];
   hk_quaternion_of(m.attitude, q);
   push_numbers(L, q, 4);

@@ -26,6 +26,9 @@ void hk_lua_name_functions(lua_State *L); /* `hooke` */
 void hk_lua_name_scene_methods(lua_State *L);
 void hk_lua_name_run_methods(lua_State *L);
 
+/* gust.c */
+int hk_lua_gust(lua_State *L); /* hooke.gust{} */
+
 /* periodic.c */
 int hk_lua_scene_within(lua_State *L);
 int hk_lua_scene_periodic(lua_State *L); /* scene:periodic{} */

@@ -17,6 +17,7 @@ static void open_libraries(lua_State *L) {
   hk_lua_open_edges(L);
   hk_lua_open_handles(L);
   hk_lua_open_rigid(L);
+  hk_lua_open_joint(L);
   hk_lua_open_scene(L);
   hk_lua_open_state(L);
   hk_lua_open_run(L);

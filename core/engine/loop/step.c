@@ -230,7 +230,8 @@ static hk_status constraints(hk_loop *loop, hk_attempt *a) {
   hk_state *s = loop->state;
   const hk_constraint_calls *constrain = loop->dynamics->constrain;
   const hk_constraint_table *constraint = loop->dynamics->system.constraint;
-  bool kept = constraint && constraint->holonomic && hk_integrator_tables_of(loop->method)->constrained.keeps;
+  bool kept = constraint && constraint->holonomic && hk_integrator_tables_of(loop->method)->constrained.keeps &&
+              !constrain->may_strike(loop->dynamics);
   (void)a;
   hk_status status = kept ? HK_OK : constrain->project(loop->dynamics, s->t, s->X, s->X + 3 * s->model.n);
   if (constrain->jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);

@@ -25,29 +25,22 @@ enum { SAMPLE = 64, INVERSE_ITERATIONS = 3 };
  * below `dependent`. */
 static const double shift = 1e-11, dependent = 1e-13;
 
-/* Largest rate that counts as rest, relative to the sum of |J||v| plus the largest coordinate per second, since the
- * speed of a resting contact is only rounding. It may be generous, because an equation in contact acts only while it
- * pushes. */
-static const double resting = 1e-9;
-
 /* ---- opening, and changes between steps ---- */
-
-bool hk_constraint_touches(const hk_constraints *c, size_t k, double size) {
-  bool rests = fabs(c->residual[k]) <= resting * (c->correction[k] + size);
-  return c->g[k] <= (rests ? hk_constraint_touching : hk_constraint_met) * size;
-}
 
 /* Finds the one-sided equations in contact; the equations are linearised, and g and `speed` are evaluated. */
 static void find_contacts(hk_dynamics *d, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   double size = hk_constraint_extent(c, x);
+  bool free = c->equations > c->one_sided_count; /* of contact, beside equalities */
   hk_constraint_rate(c, v, c->residual, c->correction);
   for (size_t k = 0; k < c->equations; k++) {
-    bool touches =
-        c->one_sided[k] && hk_constraint_touches(c, k, size) && c->residual[k] <= resting * (c->correction[k] + size);
+    bool touches = c->one_sided[k] && hk_constraint_touches(c, k, size) &&
+                   c->residual[k] <= hk_constraint_resting * (c->correction[k] + size);
     c->jumped |= touches != c->touches[k];
     c->touches[k] = touches;
+    free &= !touches;
   }
+  c->table.holonomic = free;
   hk_constraint_note_start(c);
 }
 

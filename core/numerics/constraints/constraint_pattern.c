@@ -17,7 +17,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
                     c->g,        c->c,          c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
                     c->residual, c->moved,      c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
                     c->allowed,  c->held,       c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end,
-                    c->g_start,  c->rate_start, c->met};
+                    c->g_start,  c->rate_start, c->met,        c->bounce};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   hk_releases_close(&c->releases);
   hk_linear_system linear = c->linear, mixed = c->mixed;
@@ -193,6 +193,8 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   if (status == HK_OK) status = allocate(d);
   if (status != HK_OK) return status;
   find_one_sided(d);
+  status = hk_restitution_open(d);
+  if (status != HK_OK) return status;
   uint32_t(*pin_of)[2] = malloc((n + 1) * sizeof *pin_of);
   uint32_t *order = malloc((d->constraints->blocks + 1) * sizeof *order);
   size_t *start = calloc(n + 2, sizeof *start);

@@ -113,7 +113,7 @@ static bool consequences_hold(hk_constraints *c, double size) {
   for (size_t k = 0; k < c->equations; k++) hold &= !c->implied[k] || fabs(c->g[k]) <= implied_tolerance * size;
   if (hold) return true;
   memset(c->implied, 0, c->equations * sizeof *c->implied);
-  memset(c->rests, 0, c->equations * sizeof *c->rests);
+  memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
   return false;
 }
 
@@ -149,10 +149,12 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
   return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
-/* c->c = J v + g_t; returns the largest part that must be removed, relative to the sum of |J||v|, and its equation. */
+/* c->c = J v + g_t, less what it is after an impact; returns the largest part that must be removed, relative to the sum
+ * of |J||v|, and its equation. */
 static double velocity_residual(hk_constraints *c, const double *v, size_t *worst) {
   double largest = 0, *sum = c->residual;
   hk_constraint_rate(c, v, c->c, sum);
+  hk_restitution_subtract(c, c->c);
   for (size_t k = 0; k < c->equations; k++) {
     bool asked = c->one_sided[k] ? c->held[k] || (c->allowed[k] && c->c[k] < 0) : !c->implied[k];
     double relative = asked && c->full[k] > 0 && sum[k] > 0 ? fabs(c->c[k]) / sum[k] : 0;
@@ -170,13 +172,6 @@ static bool strikes(const hk_constraints *c) {
   return false;
 }
 
-/* Which one-sided equations may take part in an impact. */
-static void allow_touching(hk_constraints *c, const double *x, const double *v) {
-  double size = hk_constraint_extent(c, x);
-  hk_constraint_rate(c, v, c->residual, c->correction);
-  for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->one_sided[k] && hk_constraint_touches(c, k, size);
-}
-
 /* v -= W J^T (J W J^T)^-1 (J v + g_t), J at the new positions; the factors may be those of nearby positions. */
 static hk_status project_velocities(hk_dynamics *d, double t, const double *x, double *v, bool factorized) {
   hk_constraints *c = d->constraints;
@@ -184,7 +179,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
   size_t worst = 0;
   hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
   if (status == HK_OK) status = hk_constraint_speed(d, t, x, v);
-  if (status == HK_OK && c->one_sided_count) allow_touching(c, x, v);
+  if (status == HK_OK && c->one_sided_count) hk_restitution_begin(c, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
     double relative = velocity_residual(c, v, &worst);
     if (relative <= velocity_tolerance) return HK_OK;
@@ -274,8 +269,8 @@ hk_status hk_constraints_violation(hk_dynamics *d, double *violation) {
 
 static hk_status linearise(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
-  c->kept = false;
-  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
+  for (size_t k = 0; k < c->equations; k++) c->rests[k] = c->one_sided[k] || c->implied[k];
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v); /* nothing is kept any more */
   if (status == HK_OK) status = hk_constraint_speed(d, t, x, v);
   if (status == HK_OK) status = hk_constraint_matrix_factorize(d);
   if (status != HK_OK) return status;

@@ -74,6 +74,11 @@ hk_status hk_constraint_speed(hk_dynamics *d, double t, const double *x, const d
   return d->constraints->has_speed ? ask(d, SPEED, t, x, v, d->constraints->speed) : HK_OK;
 }
 
+bool hk_constraint_touches(const hk_constraints *c, size_t k, double size) {
+  bool rests = fabs(c->residual[k]) <= hk_constraint_resting * (c->correction[k] + size);
+  return c->g[k] <= (rests ? hk_constraint_touching : hk_constraint_met) * size;
+}
+
 int hk_constraint_order(const hk_dynamics *d) {
   const hk_instances *methods = &d->plugins->kind[HK_INTEGRATOR];
   return methods->count ? methods->item[0]->plugin->integrator->order : 0;

@@ -71,6 +71,8 @@ struct hk_constraints {
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *met;       /* one-sided equations that are met at met_at, s, where a step was cut; impact.c */
+  double *bounce, *still, *opening; /* equations: coefficient of restitution, the speed below which it is 0, and that
+                                       after the present impact, m/s; NULL: no constraint has any */
   double met_at;
   bool meets;     /* the state to be projected is that of met_at, and those are met with equality */
   bool *rests;    /* equations that do not act in the present problem */
@@ -99,6 +101,11 @@ static inline double hk_constraint_dot(const double a[3], const double b[3]) {
  * that, and while it closes: what is left to close then is motion, and its end is found (impact.c). */
 static const double hk_constraint_touching = 1e-10, hk_constraint_met = 1e-12;
 
+/* Largest rate that counts as rest, relative to the sum of |J||v| plus the largest coordinate per second, since the
+ * speed of a resting contact is only rounding. It may be generous, because an equation in contact acts only while it
+ * pushes. */
+static const double hk_constraint_resting = 1e-9;
+
 /* ---- constraint_values.c ---- */
 
 hk_view hk_constraint_view(const hk_dynamics *, const hk_instance *, double t, const double *x, const double *v);
@@ -118,14 +125,22 @@ double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
 
-/* "equation 3 (particles 3 and 4)": the ids of at most four. */
-void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
-
-/* ---- constraint.c ---- */
-
 /* Equation k, of g, holds with equality; c->residual and c->correction: its rate, and the sum of the magnitudes of the
  * rate's terms. `size`: the largest coordinate, m. */
 bool hk_constraint_touches(const hk_constraints *, size_t k, double size);
+
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
+/* ---- restitution.c ---- */
+
+hk_status hk_restitution_open(hk_dynamics *); /* once the equations are numbered */
+/* Finds which one-sided equations may take part in an impact at x and v, and how fast each opens after it. */
+void hk_restitution_begin(hk_constraints *, const double *x, const double *v);
+void hk_restitution_subtract(const hk_constraints *, double *rate); /* what the present impact leaves */
+
+/* ---- constraint.c ---- */
+
 /* Finds which one-sided equations touch at x and v. */
 hk_status hk_constraint_find_contacts(hk_dynamics *, double t, const double *x, const double *v);
 

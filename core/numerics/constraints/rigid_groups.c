@@ -165,7 +165,7 @@ static hk_status make_bundles(search *s) {
 hk_status hk_rigid_groups_find(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_rigid_groups_close(c);
-  if (!c->table.holonomic || d->pins->has_paths || d->pins->has_slides) return HK_OK;
+  if (c->equations == 0 || c->one_sided_count > 0 || d->pins->has_paths || d->pins->has_slides) return HK_OK;
   search s = {.d = d, .list = calloc(c->equations + 1, sizeof *s.list)};
   s.of = malloc((d->state->model.n + 1) * sizeof *s.of);
   if (s.of) memset(s.of, 0xff, d->state->model.n * sizeof *s.of);

@@ -7,7 +7,7 @@
 /* hk_system.constraint */
 typedef struct hk_constraint_table {
   size_t equations;       /* number of constraint equations that acted in the last evaluation */
-  bool holonomic;         /* there are equations, all of them equalities */
+  bool holonomic;         /* there are equations, and in this step all that act are equalities */
   bool takes_constraints; /* whether accelerations include constraint forces; true when a step begins */
   /* Brings x and v (n x 3) onto the constraints of time t, as the host does after every step; for methods that keep a
    * history of their own. One-sided ones are left to the host. */
@@ -31,8 +31,8 @@ static inline size_t hk_system_equations(const hk_system *s) { return s->constra
 typedef struct hk_constrained_facet {
   size_t size;
   const char *refused; /* one sentence that says why the method cannot be used with constraints; NULL: it can */
-  bool keeps; /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by `shake` and `rattle`; the host does
-                 not project them */
+  bool keeps; /* in a step that is holonomic it ends on g = 0 and J v + g_t = 0, by `shake` and `rattle`; the host does
+                 not project it where no equation is one-sided */
 } hk_constrained_facet;
 
 #endif

@@ -29,7 +29,7 @@ static bool keeps(const hk_plugin *plugin, const void *flag) {
   return plugin->constraint->flags & *(const unsigned *)flag && hk_param_list(plugin, NULL) != NULL;
 }
 
-static hk_status add_spec(hk_scene *scene, hk_kept_pairs *kept, unsigned flag, const char *label, const char *where,
+static hk_status add_spec(hk_scene *scene, hk_kept_tuples *kept, unsigned flag, const char *label, const char *where,
                           hk_error *error) {
   const hk_plugin *plugin;
   hk_status status = hk_registry_prefer(scene->registry, HK_CONSTRAINT, keeps, &flag, &plugin, error);
@@ -39,28 +39,35 @@ static hk_status add_spec(hk_scene *scene, hk_kept_pairs *kept, unsigned flag, c
   return status;
 }
 
-static hk_status add_pairs(hk_kept_pairs *kept, size_t count, const uint32_t (*pair)[2], hk_error *error) {
-  hk_tuples *list = &kept->pairs;
+static hk_status add_tuples(hk_kept_tuples *kept, unsigned arity, size_t count, const uint32_t *id, hk_error *error) {
+  hk_tuples *list = &kept->tuples;
   uint32_t *index = (uint32_t *)(uintptr_t)list->index;
-  if (!grow(&index, list->count, list->count + count, 2 * sizeof *index)) return no_memory(error);
-  for (size_t k = 0; k < 2 * count; k++) index[2 * list->count + k] = pair[k / 2][k % 2] - 1;
-  *list = (hk_tuples){list->count + count, 2, index};
+  if (!grow(&index, list->count, list->count + count, arity * sizeof *index)) return no_memory(error);
+  for (size_t k = 0; k < arity * count; k++) index[arity * list->count + k] = id[k] - 1;
+  *list = (hk_tuples){list->count + count, arity, index};
   *(hk_tuples *)hk_param_in(hk_param_list(kept->spec->plugin, NULL), kept->spec->values) = *list;
   return HK_OK;
 }
 
 hk_status hk_scene_add_distances(hk_scene *scene, const char *where, size_t count, const uint32_t (*pair)[2],
                                  hk_error *error) {
-  hk_kept_pairs *kept = &scene->distances;
+  hk_kept_tuples *kept = &scene->distances;
   hk_status status = kept->spec ? HK_OK : add_spec(scene, kept, HK_DISTANCES, "bodies", where, error);
-  return status == HK_OK ? add_pairs(kept, count, pair, error) : status;
+  return status == HK_OK ? add_tuples(kept, 2, count, *pair, error) : status;
 }
 
 hk_status hk_scene_add_differences(hk_scene *scene, const char *where, size_t count, const uint32_t (*pair)[2],
                                    hk_error *error) {
-  hk_kept_pairs *kept = &scene->differences;
+  hk_kept_tuples *kept = &scene->differences;
   hk_status status = kept->spec ? HK_OK : add_spec(scene, kept, HK_DIFFERENCES, "joints", where, error);
-  return status == HK_OK ? add_pairs(kept, count, pair, error) : status;
+  return status == HK_OK ? add_tuples(kept, 2, count, *pair, error) : status;
+}
+
+hk_status hk_scene_add_ways(hk_scene *scene, const char *where, size_t count, const uint32_t (*points)[4],
+                            hk_error *error) {
+  hk_kept_tuples *kept = &scene->ways;
+  hk_status status = kept->spec ? HK_OK : add_spec(scene, kept, HK_WAYS, "sliders", where, error);
+  return status == HK_OK ? add_tuples(kept, 4, count, *points, error) : status;
 }
 
 /* ---- riders ---- */

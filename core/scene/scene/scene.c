@@ -83,8 +83,9 @@ static void free_bodies(hk_scene *scene) {
   }
   free(scene->particles.skin);
   free(scene->particles.rider);
-  free((void *)(uintptr_t)scene->distances.pairs.index);
-  free((void *)(uintptr_t)scene->differences.pairs.index);
+  free((void *)(uintptr_t)scene->distances.tuples.index);
+  free((void *)(uintptr_t)scene->differences.tuples.index);
+  free((void *)(uintptr_t)scene->ways.tuples.index);
 }
 
 void hk_scene_destroy(hk_scene *scene) {

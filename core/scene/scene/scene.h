@@ -34,11 +34,11 @@ typedef struct hk_scene_places_list {
   hk_scene_place *item; /* by rising `first`; no two in succession are alike */
 } hk_scene_places_list;
 
-/* Pairs that a constraint of the scene keeps, which comes with the first of them. */
-typedef struct hk_kept_pairs {
-  hk_tuples pairs;      /* id - 1 */
+/* Pairs, or four points each, that a constraint of the scene keeps, which comes with the first of them. */
+typedef struct hk_kept_tuples {
+  hk_tuples tuples;     /* id - 1 */
   hk_plugin_spec *spec; /* NULL: there is none yet */
-} hk_kept_pairs;
+} hk_kept_tuples;
 
 typedef struct hk_scene {
   char *name;           /* the script's file name without folder and ".lua" */
@@ -55,10 +55,10 @@ typedef struct hk_scene {
   hk_particles particles;
   size_t capacity; /* of the arrays of particles */
   hk_strands strands;
-  hk_periodic_box box;                  /* repeats along no axis: space is open */
-  hk_kept_pairs distances, differences; /* of rigid bodies and joints */
-  hk_specs plugin[HK_KINDS];            /* at most one integrator and one solver; without one the default is used */
-  bool integrator_auto;                 /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
+  hk_periodic_box box;                         /* repeats along no axis: space is open */
+  hk_kept_tuples distances, differences, ways; /* of rigid bodies and joints */
+  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
+  bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
@@ -131,6 +131,8 @@ hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, 
 hk_status hk_scene_add_distances(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
 /* The same of their differences, in one place (HK_DIFFERENCES): joints. */
 hk_status hk_scene_add_differences(hk_scene *, const char *where, size_t count, const uint32_t (*pair)[2], hk_error *);
+/* The same of ways of four points, (b - a).(d - c)/l (HK_WAYS): sliders. */
+hk_status hk_scene_add_ways(hk_scene *, const char *where, size_t count, const uint32_t (*points)[4], hk_error *);
 /* Makes the particle a rider, of ids, and puts it where it belongs. HK_BAD_PARAM: it has a mass, it or a carrier is
  * unknown or a rider, or the weights do not have the sum 1. */
 hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);

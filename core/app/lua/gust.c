@@ -1,5 +1,6 @@
 /* hooke.gust{}: a random function of time whose fastest change is known. */
-#include "core/app/builders/builders.h"
+#include "core/app/lua/internal.h"
+#include "core/app/script/script.h"
 
 /* A number or a vector at `key`; a number stands for `all` three, or for the first. Returns whether it is a vector. */
 static bool gust_numbers(lua_State *L, const char *key, bool all, double out[HK_COLUMNS]) {
