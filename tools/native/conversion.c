@@ -103,17 +103,23 @@ static double number_at(lua_State *L, int table, const char *key) {
   return value;
 }
 
-/* { radius =, reach =, cell =, threshold =, density = true, cubes = true }; false: none is asked for. */
+/* { radius =, reach =, cell =, threshold =, field = "density", position_smoothing =, stretch =, cubes = true }, of
+ * which what is nil is 0, left out; false: none is asked for. */
 static bool read_surface(lua_State *L, int table, hk_particle_surface_options *o) {
+  static const char *const names[] = {"zhu_bridson", "density", "anisotropic", NULL};
   if (!lua_istable(L, table)) return false;
   *o = (hk_particle_surface_options){.radius = number_at(L, table, "radius"),
                                      .reach = number_at(L, table, "reach"),
-                                     .cell = number_at(L, table, "cell")};
-  lua_getfield(L, table, "density");
-  o->kind = lua_toboolean(L, -1) ? HK_PARTICLE_DENSITY : HK_ZHU_BRIDSON;
+                                     .cell = number_at(L, table, "cell"),
+                                     .threshold = number_at(L, table, "threshold"),
+                                     .stretch = number_at(L, table, "stretch")};
+  lua_getfield(L, table, "position_smoothing");
+  o->position_smoothing = lua_isnil(L, -1) ? 0 : lua_tonumber(L, -1) > 0 ? lua_tonumber(L, -1) : -1;
+  lua_getfield(L, table, "field");
+  o->kind = (hk_particle_field_kind)luaL_checkoption(L, -1, names[0], names);
   lua_getfield(L, table, "cubes");
   o->method = lua_toboolean(L, -1) ? HK_MARCHING_CUBES : HK_MARCHING_TETRAHEDRA;
-  lua_pop(L, 2);
+  lua_pop(L, 3);
   return true;
 }
 

@@ -1,7 +1,7 @@
 /* The surface of particles: their field on the blocks that any of them reaches, marched. */
 #include "plugins/common/particle_surface/particle_surface.h"
 #include "plugins/common/isosurface/isosurface.h"
-#include "plugins/common/particle_surface/particle_field.h"
+#include "plugins/common/particle_surface/particle_kernels.h"
 
 /* Blocks that no particle reaches are outside. */
 static void bounds(const void *self, const double low[3], const double high[3], double range[2]) {
@@ -22,8 +22,15 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
                              .margin = 1e-3,
                              .without_normals = options->without_normals,
                              .most_bytes = options->most_bytes};
-  hk_status status = hk_particle_field_open(&f);
+  hk_particle_kernels kernels = {0};
+  hk_status status = hk_particle_options_complete(&f.o, host);
+  if (status == HK_OK && f.o.kind == HK_ANISOTROPIC) {
+    status = hk_particle_kernels_make(&kernels, host, x, n, &f.o);
+    f.x = (const double(*)[3])kernels.centre, f.kernel = kernels.kernel;
+  }
+  if (status == HK_OK) status = hk_particle_field_open(&f);
   if (status == HK_OK) status = hk_isosurface_find(surface, host, &f.grid, &field, &o);
   hk_particle_field_close(&f);
+  hk_particle_kernels_free(&kernels, host);
   return status;
 }

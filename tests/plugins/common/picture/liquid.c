@@ -56,6 +56,22 @@ static void a_drop_is_a_disc_where_it_is(void **state) {
   }
 }
 
+/* One particle by anisotropic kernels is a ball of 1.36 radii (particle_options.h: k_n = 0.5), of 581 pixels. */
+static void the_field_of_a_surface_is_chosen(void **state) {
+  (void)state;
+  static test_result r;
+  char options[256], path[512];
+  snprintf(options, sizeof options, "%s, surface = 0.1, surface_cell = 0.02, surface_field = 'anisotropic'", camera);
+  write_scene(options);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/liquid/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  int disc = count_red(&p, 60, 100);
+  if (disc < 500 || disc > 640) fail_msg("%d pixels", disc);
+  free(p.rgb);
+}
+
 static void refused(const char *options, const char *text) {
   static test_result r;
   write_scene(options);
@@ -69,12 +85,15 @@ static void what_cannot_be_drawn_is_said(void **state) {
           "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_of = 'water'",
           "surface: it is required beside surface_of");
+  refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_field = 'density'",
+          "surface: it is required beside surface_of and surface_field");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface = 0.1, surface_of = 'wine'",
           "surface_of: there is no group 'wine'");
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_drop_is_a_disc_where_it_is),
+                                     cmocka_unit_test(the_field_of_a_surface_is_chosen),
                                      cmocka_unit_test(what_cannot_be_drawn_is_said)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
