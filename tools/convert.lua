@@ -30,6 +30,8 @@ local function parser()
     :convert(command_line.number("--position-smoothing"))
   p:option("--stretch", "of anisotropic kernels: the largest ratio of their axes, 1 to 100 (4)")
     :convert(command_line.positive("--stretch"))
+  p:option("--smoothing", "of the surface: rounds of smoothing of its mesh, up to 1000 (0); 25 take bumps away and leave drops")
+    :convert(command_line.whole("--smoothing"))
   p:option("--method", "of the surface: tetrahedra, or cubes, with a third of the triangles")
     :choices({ "tetrahedra", "cubes" }):default("tetrahedra")
   p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
@@ -93,13 +95,13 @@ local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdm
 local function surface_of(o)
   if not o.isosurface then return nil end
   return { radius = o.isosurface, cell = o.cell, reach = o.reach, threshold = o.threshold, field = o.field,
-    position_smoothing = o.position_smoothing, stretch = o.stretch, cubes = o.method == "cubes" }
+    position_smoothing = o.position_smoothing, stretch = o.stretch, smoothing = o.smoothing, cubes = o.method == "cubes" }
 end
 
 -- The sentence for an option of a surface that does not go with the others.
 local function wrong_surface(o)
   if o.isosurface and not is_sequence(o.to) then return "--isosurface is for --to ply, obj or vtk" end
-  local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch
+  local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing
   if not o.isosurface and (more or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
     return "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS"
   end
@@ -107,6 +109,7 @@ local function wrong_surface(o)
   if o.field ~= "anisotropic" and (o.position_smoothing or o.stretch) then
     return "--position-smoothing and --stretch are for --field anisotropic"
   end
+  if (o.smoothing or 0) > 1000 then return ("--smoothing: %d rounds are more than 1000"):format(o.smoothing) end
   local part = o.position_smoothing or 0
   if part < 0 or part > 1 then return ("--position-smoothing: %g is no part from 0 to 1"):format(part) end
 end

@@ -10,7 +10,7 @@
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every, sheet;
+  int64_t width, height, every, sheet, surface_smoothing;
   hk_appearance_names names;
   const char *unit, *folder, *video_file, *views, *surface_of;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
@@ -125,6 +125,8 @@ static const hk_param params[] = {
      .choice = HK_AT(frames, surface_field), .choices = "zhu_bridson|density|anisotropic"},
     {"surface_reach", "m", "how far a particle is felt; left out: four radii, of anisotropic six",
      .number = HK_AT(frames, surface_reach), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_smoothing", "", "rounds of smoothing of the liquid's mesh; 25 take its bumps away and leave drops",
+     .integer = HK_AT(frames, surface_smoothing), .limits = HK_WITHIN(0, 1000)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -219,15 +221,16 @@ static void make_plan(frames *f, double t) {
 
 /* Without particles, which are in the liquid, where the script does not ask for them. */
 static hk_status choose_surface(frames *f, const hk_model *m) {
-  bool there = !isnan(f->surface_radius), more = f->surface_of || f->surface_field;
+  bool there = !isnan(f->surface_radius), more = f->surface_of || f->surface_field || f->surface_smoothing;
   more = more || !isnan(f->surface_cell) || !isnan(f->surface_reach);
   if (!there && more)
     return f->host->fail(
         f->host, HK_BAD_PARAM,
-        "surface: it is required beside surface_of and surface_field, _cell and _reach: the radius of the "
+        "surface: it is required beside surface_of and surface_field, _smoothing, _cell and _reach: the radius of the "
         "liquid's particles, m");
   if (!there) return HK_OK;
   f->surface.options = (hk_particle_surface_options){.kind = (hk_particle_field_kind)f->surface_field,
+                                                     .smoothing = (unsigned)f->surface_smoothing,
                                                      .radius = f->surface_radius,
                                                      .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
                                                      .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};

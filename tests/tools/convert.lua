@@ -95,6 +95,10 @@ must("convert out --to obj --isosurface 0.1 --cell 0.02 --field anisotropic --th
 local wide = volume_near(read_obj(at("wide/000001.obj")), 5)
 assert(wide > 1.3 * volume, "a lower threshold has more within")
 
+-- A drop by itself is not smoothed.
+must("convert out --to obj --isosurface 0.1 --cell 0.02 --smoothing 25 --out smooth")
+assert(files.read(at("smooth/000001.obj")) == files.read(at("obj_tetrahedra/000001.obj")), "a lone drop keeps its shape")
+
 -- ---- PLY: numbers at the vertices ----
 
 must("convert out --to ply --isosurface 0.1 --field zhu_bridson --out ply")
@@ -132,6 +136,8 @@ refused("--to obj --isosurface 0.1 --field anisotropic --position-smoothing=-1",
 refused("--to obj --isosurface 0.1 --field anisotropic --stretch 0.5", "kernels stretched up to 0.5")
 refused("--to obj --isosurface 0.1 --cell 0", "--cell: '0' is not a positive number")
 refused("--to obj --isosurface 0.1 --reach=-1", "--reach: '-1' is not a positive number")
+refused("--to obj --isosurface 0.1 --smoothing 1001", "--smoothing: 1001 rounds are more than 1000")
+refused("--to obj --smoothing 5", "give --isosurface RADIUS")
 refused("--to obj --isosurface 0", "--isosurface")
 refused("--to obj --isosurface 1e-9", "take larger ones, or leave out what has flown away")
 refused("--to obj --isosurface 0.1 --reach 0.01", "the reach is no less than the radius")

@@ -111,6 +111,7 @@ static bool read_surface(lua_State *L, int table, hk_particle_surface_options *o
   *o = (hk_particle_surface_options){.radius = number_at(L, table, "radius"),
                                      .reach = number_at(L, table, "reach"),
                                      .cell = number_at(L, table, "cell"),
+                                     .smoothing = (unsigned)number_at(L, table, "smoothing"),
                                      .threshold = number_at(L, table, "threshold"),
                                      .stretch = number_at(L, table, "stretch")};
   lua_getfield(L, table, "position_smoothing");

@@ -67,7 +67,7 @@ static void place_centre(const task *t, size_t i) {
 /* A = J^T A J and V = V J for the rotation J of the axes p and q that makes A[p][q] 0. */
 static void rotate(double A[3][3], double V[3][3], int p, int q) {
   if (A[p][q] == 0) return;
-  double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]), t = copysign(1, theta) / (fabs(theta) + hypot(theta, 1));
+  double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]), t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
   double c = 1 / sqrt(t * t + 1), s = t * c;
   for (int k = 0; k < 3; k++) {
     double a = A[k][p], b = A[k][q], u = V[k][p], v = V[k][q];

@@ -40,5 +40,9 @@ hk_status hk_particle_options_complete(hk_particle_surface_options *o, const hk_
                       "surface of particles: a threshold of %g: give a part of the full liquid's density, above 0 and "
                       "below 1",
                       o->threshold);
+  if (o->smoothing > 1000)
+    return host->fail(host, HK_BAD_PARAM,
+                      "surface of particles: %u rounds of smoothing: give at most 1000, of which 25 smooth a liquid",
+                      o->smoothing);
   return stretched ? check_kernels(o, host) : HK_OK;
 }

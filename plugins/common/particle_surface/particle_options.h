@@ -17,6 +17,7 @@ typedef struct hk_particle_surface_options { /* zeroed ones but for the radius a
   double stretch;            /* k_r, 1 to 100: the largest ratio of a kernel's axes; 0: 4 */
   double lone;               /* k_n, 0.1 to 1: the size of a kernel with few neighbours, parts of reach; 0: 0.5 */
   unsigned few;              /* N_eps: a particle with no more neighbours within reach is a lone one; 0: 25 */
+  unsigned smoothing;        /* rounds of smoothing of the mesh (mesh_smoothing.h), at most 1000 */
   hk_isosurface_method method;
   bool without_normals;
   size_t most_bytes; /* an error before more than this is allocated; 0: no limit */

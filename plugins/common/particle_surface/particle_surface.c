@@ -1,6 +1,7 @@
 /* The surface of particles: their field on the blocks that any of them reaches, marched. */
 #include "plugins/common/particle_surface/particle_surface.h"
 #include "plugins/common/isosurface/isosurface.h"
+#include "plugins/common/particle_surface/mesh_smoothing.h"
 #include "plugins/common/particle_surface/particle_kernels.h"
 
 /* Blocks that no particle reaches are outside. */
@@ -13,6 +14,17 @@ static void bounds(const void *self, const double low[3], const double high[3], 
   range[0] = -INFINITY, range[1] = reached ? INFINITY : -INFINITY;
 }
 
+static hk_status smooth(hk_isosurface *s, const hk_host *host, const double (*x)[3], size_t n,
+                        const hk_particle_surface_options *o) {
+  if (o->smoothing == 0) return HK_OK;
+  double *weight = host->allocate(host, s->vertices * sizeof *weight);
+  if (!weight) return host->fail(host, HK_NO_MEMORY, "surface of particles: no memory for %zu weights", s->vertices);
+  hk_status status = hk_smoothing_weights(host, x, n, o->radius, s, weight);
+  if (status == HK_OK) status = hk_mesh_smooth(s, host, weight, o->smoothing);
+  host->release(host, weight);
+  return status;
+}
+
 hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, const double (*x)[3], size_t n,
                                    const hk_particle_surface_options *options) {
   hk_particle_field f = {.host = host, .x = x, .n = n, .o = *options};
@@ -23,14 +35,18 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
                              .without_normals = options->without_normals,
                              .most_bytes = options->most_bytes};
   hk_particle_kernels kernels = {0};
+  hk_isosurface found = {0};
   hk_status status = hk_particle_options_complete(&f.o, host);
   if (status == HK_OK && f.o.kind == HK_ANISOTROPIC) {
     status = hk_particle_kernels_make(&kernels, host, x, n, &f.o);
     f.x = (const double(*)[3])kernels.centre, f.kernel = kernels.kernel;
   }
   if (status == HK_OK) status = hk_particle_field_open(&f);
-  if (status == HK_OK) status = hk_isosurface_find(surface, host, &f.grid, &field, &o);
+  if (status == HK_OK) status = hk_isosurface_find(&found, host, &f.grid, &field, &o);
+  if (status == HK_OK) status = smooth(&found, host, x, n, &f.o);
   hk_particle_field_close(&f);
   hk_particle_kernels_free(&kernels, host);
+  hk_isosurface_free(status == HK_OK ? surface : &found, host);
+  if (status == HK_OK) *surface = found;
   return status;
 }

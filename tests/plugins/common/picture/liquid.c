@@ -35,7 +35,7 @@ static int count_red(const picture *p, int from, int to) {
 static void a_drop_is_a_disc_where_it_is(void **state) {
   (void)state;
   static test_result r;
-  static const char *const of[] = {"surface = 0.1, surface_cell = 0.02", "surface = 0.1, surface_of = 'water'"};
+  static const char *const of[] = {"surface = 0.1, surface_cell = 0.02", "surface = 0.1, surface_of = 'water', surface_smoothing = 25"};
   for (int k = 0; k < 2; k++) {
     char options[256];
     snprintf(options, sizeof options, "%s, %s", camera, of[k]);
