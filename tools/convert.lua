@@ -32,6 +32,7 @@ local function parser()
     :convert(command_line.positive("--stretch"))
   p:option("--smoothing", "of the surface: rounds of smoothing of its mesh, up to 1000 (0); 25 take bumps away and leave drops")
     :convert(command_line.whole("--smoothing"))
+  p:flag("--cut", "the surface ends at the scene's obstacles (but meshes), without bumps of particles there")
   p:option("--method", "of the surface: tetrahedra, or cubes, with a third of the triangles")
     :choices({ "tetrahedra", "cubes" }):default("tetrahedra")
   p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
@@ -95,13 +96,13 @@ local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdm
 local function surface_of(o)
   if not o.isosurface then return nil end
   return { radius = o.isosurface, cell = o.cell, reach = o.reach, threshold = o.threshold, field = o.field,
-    position_smoothing = o.position_smoothing, stretch = o.stretch, smoothing = o.smoothing, cubes = o.method == "cubes" }
+    position_smoothing = o.position_smoothing, stretch = o.stretch, smoothing = o.smoothing, cubes = o.method == "cubes", cut = o.cut }
 end
 
 -- The sentence for an option of a surface that does not go with the others.
 local function wrong_surface(o)
   if o.isosurface and not is_sequence(o.to) then return "--isosurface is for --to ply, obj or vtk" end
-  local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing
+  local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing or o.cut
   if not o.isosurface and (more or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
     return "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS"
   end

@@ -21,7 +21,7 @@ typedef struct frames {
   size_t solid_count;
   int map, up, springs, particles, style, light, surface_field;
   double surface_radius, surface_cell, surface_reach;
-  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
+  bool surface_cut, reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -127,6 +127,8 @@ static const hk_param params[] = {
      .number = HK_AT(frames, surface_reach), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_smoothing", "", "rounds of smoothing of the liquid's mesh; 25 take its bumps away and leave drops",
      .integer = HK_AT(frames, surface_smoothing), .limits = HK_WITHIN(0, 1000)},
+    {"surface_cut", "", "the liquid ends at obstacles (but meshes), without bumps of particles there",
+     .boolean = HK_AT(frames, surface_cut)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -221,19 +223,21 @@ static void make_plan(frames *f, double t) {
 
 /* Without particles, which are in the liquid, where the script does not ask for them. */
 static hk_status choose_surface(frames *f, const hk_model *m) {
-  bool there = !isnan(f->surface_radius), more = f->surface_of || f->surface_field || f->surface_smoothing;
+  bool there = !isnan(f->surface_radius),
+       more = f->surface_of || f->surface_field || f->surface_smoothing || f->surface_cut;
   more = more || !isnan(f->surface_cell) || !isnan(f->surface_reach);
   if (!there && more)
-    return f->host->fail(
-        f->host, HK_BAD_PARAM,
-        "surface: it is required beside surface_of and surface_field, _smoothing, _cell and _reach: the radius of the "
-        "liquid's particles, m");
+    return f->host->fail(f->host, HK_BAD_PARAM,
+                         "surface: it is required beside surface_of and surface_field, _smoothing, _cut, _cell and "
+                         "_reach: the radius of the "
+                         "liquid's particles, m");
   if (!there) return HK_OK;
   f->surface.options = (hk_particle_surface_options){.kind = (hk_particle_field_kind)f->surface_field,
                                                      .smoothing = (unsigned)f->surface_smoothing,
                                                      .radius = f->surface_radius,
                                                      .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
                                                      .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};
+  f->surface.walls = f->surface_cut && f->all ? f->all->shown : NULL;
   f->film.liquid = &f->surface.solid;
   if (f->particles == 0) f->film.appearance.particles = 2; /* none */
   return hk_view_surface_choose(&f->surface, f->host, m, f->surface_of);

@@ -6,7 +6,11 @@ enum { SIDE = 8 };
 
 static const double most_cells = 1e8, wider = 1 + 1e-9; /* of an axis; of a reach, so that rounding leaves none out */
 
-static double reach_of(const hk_particle_field *f, size_t i) { return f->kernel ? f->kernel[i].reach : f->o.reach; }
+/* How far blocks list a particle: beside walls as far as its value two radii off them is used. */
+static double reach_of(const hk_particle_field *f, size_t i) {
+  double reach = f->kernel ? f->kernel[i].reach : f->o.reach;
+  return f->o.walls ? fmax(reach, 5 * f->o.radius) : reach;
+}
 
 static hk_status choose_grid(hk_particle_field *f) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, h = f->o.cell, reach = 0;

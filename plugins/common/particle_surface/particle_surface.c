@@ -3,6 +3,7 @@
 #include "plugins/common/isosurface/isosurface.h"
 #include "plugins/common/particle_surface/mesh_smoothing.h"
 #include "plugins/common/particle_surface/particle_kernels.h"
+#include "plugins/common/particle_surface/wall_cut.h"
 
 /* Blocks that no particle reaches are outside. */
 static void bounds(const void *self, const double low[3], const double high[3], double range[2]) {
@@ -20,6 +21,8 @@ static hk_status smooth(hk_isosurface *s, const hk_host *host, const double (*x)
   double *weight = host->allocate(host, s->vertices * sizeof *weight);
   if (!weight) return host->fail(host, HK_NO_MEMORY, "surface of particles: no memory for %zu weights", s->vertices);
   hk_status status = hk_smoothing_weights(host, x, n, o->radius, s, weight);
+  for (size_t v = 0; v < s->vertices && status == HK_OK; v++)
+    if (hk_wall_distance(o->walls, s->x[v]) < o->cell / 100) weight[v] = 0; /* it stays on its wall */
   if (status == HK_OK) status = hk_mesh_smooth(s, host, weight, o->smoothing);
   host->release(host, weight);
   return status;
@@ -30,8 +33,10 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
   hk_particle_field f = {.host = host, .x = x, .n = n, .o = *options};
   hk_isosurface_field field = {
       .evaluate = hk_particle_field_evaluate, .bounds = bounds, .lattice = hk_particle_field_lattice, .self = &f};
+  if (options->walls) field.evaluate = hk_walled_evaluate, field.lattice = hk_walled_lattice;
   hk_isosurface_options o = {.method = options->method,
                              .margin = 1e-3,
+                             .steps = options->walls ? 8 : 0, /* the smaller of two is not linear */
                              .without_normals = options->without_normals,
                              .most_bytes = options->most_bytes};
   hk_particle_kernels kernels = {0};
