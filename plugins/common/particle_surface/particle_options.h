@@ -28,6 +28,7 @@ typedef struct hk_particle_surface_options { /* zeroed ones but for the radius a
   const hk_particle_walls *walls; /* cut the surface (wall_cut.h); NULL: there are none */
   hk_isosurface_method method;
   bool without_normals;
+  bool may_be_empty; /* nothing that reaches the threshold is a surface without vertices, and no error */
   size_t most_bytes; /* an error before more than this is allocated; 0: no limit */
 } hk_particle_surface_options;
 

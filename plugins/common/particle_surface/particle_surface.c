@@ -17,7 +17,7 @@ static void bounds(const void *self, const double low[3], const double high[3], 
 
 static hk_status smooth(hk_isosurface *s, const hk_host *host, const double (*x)[3], size_t n,
                         const hk_particle_surface_options *o) {
-  if (o->smoothing == 0) return HK_OK;
+  if (o->smoothing == 0 || s->vertices == 0) return HK_OK;
   double *weight = host->allocate(host, s->vertices * sizeof *weight);
   if (!weight) return host->fail(host, HK_NO_MEMORY, "surface of particles: no memory for %zu weights", s->vertices);
   hk_status status = hk_smoothing_weights(host, x, n, o->radius, s, weight);
@@ -38,6 +38,7 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
                              .margin = 1e-3,
                              .steps = options->walls ? 8 : 0, /* the smaller of two is not linear */
                              .without_normals = options->without_normals,
+                             .may_be_empty = options->may_be_empty,
                              .most_bytes = options->most_bytes};
   hk_particle_kernels kernels = {0};
   hk_isosurface found = {0};

@@ -18,8 +18,8 @@
 #include "plugins/common/particle_surface/particle_options.h"
 
 /* Replaces the surface; particles at x, n x 3, m. A call that fails changes nothing: HK_BAD_PARAM (no radius; no
- * particles; too many cells; nothing that reaches the threshold), HK_NOT_FINITE (the place of a particle),
- * HK_NO_MEMORY. */
+ * particles; too many cells; nothing that reaches the threshold, but where that is allowed), HK_NOT_FINITE (the place
+ * of a particle), HK_NO_MEMORY. */
 hk_status hk_particle_surface_find(hk_isosurface *, const hk_host *, const double (*x)[3], size_t n,
                                    const hk_particle_surface_options *);
 

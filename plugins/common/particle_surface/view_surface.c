@@ -61,9 +61,10 @@ hk_status hk_view_surface_take(hk_view_surface *s, const hk_view *view, bool y_u
   if (s->walls) hk_obstacle_solids(s->walls, false, solid);
   hk_particle_surface_options options = s->options;
   options.without_normals = true;
+  options.may_be_empty = true; /* a liquid whose drops are too small for its field, for a while */
   options.walls = solids.count > 0 ? &walls : NULL;
   status = hk_particle_surface_find(&s->surface, view->host, (const double(*)[3])s->x, n, &options);
-  if (status != HK_OK) return status;
+  if (status != HK_OK || s->surface.vertices == 0) return status;
   for (int k = 0; k < 3; k++) hk_to_z_up(y_up, axis[k], s->solid.axis[k]);
   s->solid.vertices = s->surface.vertices, s->solid.faces = s->surface.triangles;
   s->solid.vertex = s->surface.x[0];

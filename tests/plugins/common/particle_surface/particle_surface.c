@@ -163,6 +163,11 @@ static void what_cannot_be_is_said(void **state) {
   refused(1, (hk_particle_surface_options){.radius = 0}, HK_BAD_PARAM, "a radius of 0 m: give one above 0");
   refused(1, (hk_particle_surface_options){.radius = 1, .reach = 0.5}, HK_BAD_PARAM, "a reach of 0.5 m");
   refused(1, (hk_particle_surface_options){HK_PARTICLE_DENSITY, .radius = 1}, HK_BAD_PARAM, "no surface in the box");
+  hk_particle_surface_options empty = {HK_PARTICLE_DENSITY, .radius = 1, .smoothing = 3, .may_be_empty = true};
+  bench b;
+  open_bench(&b, 1);
+  assert_true(surface(&b, 1, empty) == HK_OK && b.surface.vertices == 0 && b.surface.triangles == 0);
+  close_bench(&b);
   place[1][0] = 1e12;
   refused(2, (hk_particle_surface_options){.radius = 1}, HK_BAD_PARAM,
           "are too many cells: take larger ones, or leave");

@@ -71,6 +71,13 @@ static void the_field_of_a_surface_is_chosen(void **state) {
   int disc = count_red(&p, 60, 100);
   if (disc < 500 || disc > 640) fail_msg("%d pixels", disc);
   free(p.rgb);
+  snprintf(options, sizeof options, "%s, surface = 0.1, surface_field = 'density'", camera);
+  write_scene(options);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code != 0) fail_msg("drops below the density's threshold are no error: %s", r.err);
+  p = read_picture(path);
+  assert_int_equal(count_red(&p, 60, 100), 0);
+  free(p.rgb);
 }
 
 /* A drop half in a floor at 0 m is half a disc, of 157 pixels, above the middle of the picture. */
