@@ -7,6 +7,8 @@
 
 enum { SIDE = 9, ROW = 12, ROWS = SIDE * SIDE };
 
+static const double wider = 1 + 1e-9; /* of a squared reach, so that rounding leaves none out */
+
 typedef struct sums {
   double x[ROW], y[SIDE], z[SIDE];
   double w[ROWS][ROW], wx[ROWS][ROW], wy[ROWS][ROW], wz[ROWS][ROW]; /* of the density w alone */
@@ -162,6 +164,8 @@ static double value_at(const hk_particle_field *f, const double x[3]) {
   for (size_t n = f->start[block]; n < f->start[block + 1]; n++) {
     const double *p = f->x[f->list[n]];
     double d[3] = {x[0] - p[0], x[1] - p[1], x[2] - p[2]}, square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    double reach = f->kernel ? f->kernel[f->list[n]].reach : f->o.reach;
+    if (square >= reach * reach * wider) continue; /* it adds 0 */
     double q = 1 - square * scale, k = q > 0 ? q * q * q : 0;
     if (f->kernel)
       k = kernel_at(&f->kernel[f->list[n]], d);

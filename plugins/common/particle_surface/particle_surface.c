@@ -36,7 +36,7 @@ hk_status hk_particle_surface_find(hk_isosurface *surface, const hk_host *host, 
   if (options->walls) field.evaluate = hk_walled_evaluate, field.lattice = hk_walled_lattice;
   hk_isosurface_options o = {.method = options->method,
                              .margin = 1e-3,
-                             .steps = options->walls ? 8 : 0, /* the smaller of two is not linear */
+                             .steps = options->walls ? 4 : 0, /* the smaller of two is not linear */
                              .without_normals = options->without_normals,
                              .may_be_empty = options->may_be_empty,
                              .most_bytes = options->most_bytes};
