@@ -17,10 +17,22 @@ local function parser()
   p:option("--ids", "csv: ids of the particles, 1,2,5 (all)")
   p:option("--isosurface", "ply, obj, vtk: the surface of the particles that are in no edge or triangle, in their stead;"
     .. " m, their radius, half the distance of neighbours"):convert(command_line.number("--isosurface"))
-  p:option("--cell", "of the surface, m: of the grid (half the radius)"):convert(command_line.number("--cell"))
-  p:option("--reach", "of the surface, m: how far a particle is felt (four radii)"):convert(command_line.number("--reach"))
-  p:option("--field", "of the surface: zhu_bridson (smooth; a single particle is a ball) or density")
-    :choices({ "zhu_bridson", "density" }):default("zhu_bridson")
+  p:option("--cell", "of the surface, m: of the grid (half the radius)"):convert(command_line.positive("--cell"))
+  p:option("--reach", "of the surface, m: how far a particle is felt (four radii; anisotropic: six)")
+    :convert(command_line.positive("--reach"))
+  p:option("--field", "of the surface: zhu_bridson (smooth; a single particle is a ball), density, or anisotropic"
+    .. " (kernels that are flat along the surface; the flattest)")
+    :choices({ "zhu_bridson", "density", "anisotropic" }):default("zhu_bridson")
+  p:option("--threshold", "of the surface by density or anisotropic kernels: part of a full liquid's density,"
+    .. " 0 to 1 (0.6; 0.25)")
+    :convert(command_line.positive("--threshold"))
+  p:option("--position-smoothing", "of anisotropic kernels: part of the way to the neighbours' mean, 0 to 1 (0.9)")
+    :convert(command_line.number("--position-smoothing"))
+  p:option("--stretch", "of anisotropic kernels: the largest ratio of their axes, 1 to 100 (4)")
+    :convert(command_line.positive("--stretch"))
+  p:option("--smoothing", "of the surface: rounds of smoothing of its mesh, up to 1000 (0); 25 take bumps away and leave drops")
+    :convert(command_line.whole("--smoothing"))
+  p:flag("--cut", "the surface ends at the scene's obstacles (but meshes), without bumps of particles there")
   p:option("--method", "of the surface: tetrahedra, or cubes, with a third of the triangles")
     :choices({ "tetrahedra", "cubes" }):default("tetrahedra")
   p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
@@ -83,7 +95,24 @@ local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdm
 -- How the surface of particles is asked for; nil: it is not.
 local function surface_of(o)
   if not o.isosurface then return nil end
-  return { radius = o.isosurface, cell = o.cell, reach = o.reach, density = o.field == "density", cubes = o.method == "cubes" }
+  return { radius = o.isosurface, cell = o.cell, reach = o.reach, threshold = o.threshold, field = o.field,
+    position_smoothing = o.position_smoothing, stretch = o.stretch, smoothing = o.smoothing, cubes = o.method == "cubes", cut = o.cut }
+end
+
+-- The sentence for an option of a surface that does not go with the others.
+local function wrong_surface(o)
+  if o.isosurface and not is_sequence(o.to) then return "--isosurface is for --to ply, obj or vtk" end
+  local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing or o.cut
+  if not o.isosurface and (more or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
+    return "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS"
+  end
+  if o.threshold and o.field == "zhu_bridson" then return "--threshold is for --field density or anisotropic" end
+  if o.field ~= "anisotropic" and (o.position_smoothing or o.stretch) then
+    return "--position-smoothing and --stretch are for --field anisotropic"
+  end
+  if (o.smoothing or 0) > 1000 then return ("--smoothing: %d rounds are more than 1000"):format(o.smoothing) end
+  local part = o.position_smoothing or 0
+  if part < 0 or part > 1 then return ("--position-smoothing: %g is no part from 0 to 1"):format(part) end
 end
 
 -- Writes it -> number of frames; or nil and the reason.
@@ -102,10 +131,8 @@ if o.ids then
   o.ids, why = ids_of(o.ids)
   if not o.ids then return complain(why) end
 end
-if o.isosurface and not is_sequence(o.to) then return complain("--isosurface is for --to ply, obj or vtk") end
-if not o.isosurface and (o.cell or o.reach or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
-  return complain("--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
-end
+why = wrong_surface(o)
+if why then return complain(why) end
 local fine, conversion = pcall(require, "conversion")
 if not fine then return complain("this hooke is built without HDF5: tools/install-deps run gets it; then make again") end
 local file, folder = find(o.run)

@@ -10,7 +10,7 @@
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every, sheet;
+  int64_t width, height, every, sheet, surface_smoothing;
   hk_appearance_names names;
   const char *unit, *folder, *video_file, *views, *surface_of;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
@@ -19,9 +19,9 @@ typedef struct frames {
   hk_solid_numbers solids;
   hk_frame_solid *solid;
   size_t solid_count;
-  int map, up, springs, particles, style, light;
+  int map, up, springs, particles, style, light, surface_field;
   double surface_radius, surface_cell, surface_reach;
-  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
+  bool surface_cut, reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -113,16 +113,22 @@ static const hk_param params[] = {
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      .numbers = HK_AT(frames, solids.planes), .flags = HK_OPTIONAL},
     {"surface", "m",
-     "draw the surface of a liquid (Zhu and Bridson 2005) in the stead of its particles: their radius, half the "
-     "distance "
-     "of neighbours; left out: there is none",
+     "draw the surface of a liquid in the stead of its particles: their radius, half the distance of neighbours; left "
+     "out: there is none",
      .number = HK_AT(frames, surface_radius), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_of", "", "group of the liquid's particles; left out: all that are in no edge, triangle or element",
      .string = HK_AT(frames, surface_of)},
     {"surface_cell", "m", "cells of the surface's grid; left out: half the radius",
      .number = HK_AT(frames, surface_cell), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
-    {"surface_reach", "m", "how far a particle is felt; left out: four radii", .number = HK_AT(frames, surface_reach),
-     .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_field", "",
+     "of the liquid: zhu_bridson, density, or anisotropic: kernels flat along the surface, the flattest",
+     .choice = HK_AT(frames, surface_field), .choices = "zhu_bridson|density|anisotropic"},
+    {"surface_reach", "m", "how far a particle is felt; left out: four radii, of anisotropic six",
+     .number = HK_AT(frames, surface_reach), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_smoothing", "", "rounds of smoothing of the liquid's mesh; 25 take its bumps away and leave drops",
+     .integer = HK_AT(frames, surface_smoothing), .limits = HK_WITHIN(0, 1000)},
+    {"surface_cut", "", "the liquid ends at obstacles (but meshes), without bumps of particles there",
+     .boolean = HK_AT(frames, surface_cut)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -217,15 +223,21 @@ static void make_plan(frames *f, double t) {
 
 /* Without particles, which are in the liquid, where the script does not ask for them. */
 static hk_status choose_surface(frames *f, const hk_model *m) {
-  bool there = !isnan(f->surface_radius), more = f->surface_of || !isnan(f->surface_cell) || !isnan(f->surface_reach);
+  bool there = !isnan(f->surface_radius),
+       more = f->surface_of || f->surface_field || f->surface_smoothing || f->surface_cut;
+  more = more || !isnan(f->surface_cell) || !isnan(f->surface_reach);
   if (!there && more)
     return f->host->fail(f->host, HK_BAD_PARAM,
-                         "surface: it is required beside surface_of, surface_cell and surface_reach: the radius of the "
+                         "surface: it is required beside surface_of and surface_field, _smoothing, _cut, _cell and "
+                         "_reach: the radius of the "
                          "liquid's particles, m");
   if (!there) return HK_OK;
-  f->surface.options = (hk_particle_surface_options){.radius = f->surface_radius,
+  f->surface.options = (hk_particle_surface_options){.kind = (hk_particle_field_kind)f->surface_field,
+                                                     .smoothing = (unsigned)f->surface_smoothing,
+                                                     .radius = f->surface_radius,
                                                      .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
                                                      .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};
+  f->surface.walls = f->surface_cut && f->all ? f->all->shown : NULL;
   f->film.liquid = &f->surface.solid;
   if (f->particles == 0) f->film.appearance.particles = 2; /* none */
   return hk_view_surface_choose(&f->surface, f->host, m, f->surface_of);

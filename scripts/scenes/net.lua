@@ -1,33 +1,14 @@
 -- net.lua: balls fall into a net of knotted twine that hangs by its rim. It sags, catches them, and they gather in its
 -- middle; no ball slips past a thread.
 local drape = require("drape")
+local twine = require("twine")
 local n = param("meshes", 9, "along each side of the net", { min = 2, max = 40 })
 local balls = param("balls", 5, "how many fall", { min = 0, max = 50 })
 local radius = param("radius", 6e-3, "of the twine, m", { min = 1e-4 })
 local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.5 })
-local per, side = 3, 1 -- edges per mesh
-local function twine(k, along)
-  local at = side * (k / n - 0.5)
-  local function point(s, z) return along and { s, at, z } or { at, s, z } end
-  return scene:strand { n = per * n + 1, mass = 0.03, group = along and "weft" or "warp",
-    from = point(-side / 2, along and 0.5 or 0.5 + 2.2 * radius), to = point(side / 2, along and 0.5 or 0.5 + 2.2 * radius) }
-end
-local warp, weft, edges, knots, rim = {}, {}, nil, {}, {}
-for k = 0, n do
-  weft[k], warp[k] = twine(k, true), twine(k, false)
-  for _, thread in ipairs { weft[k], warp[k] } do
-    edges = edges and edges .. thread:edges() or thread:edges()
-    rim[#rim + 1], rim[#rim + 2] = thread:at(1), thread:at(per * n + 1)
-  end
-end
-for i = 0, n do
-  for j = 0, n do knots[#knots + 1] = { weft[j]:at(per * i + 1), warp[i]:at(per * j + 1) } end
-end
-scene:pin(rim)
-scene:force("springs", { edges = edges, k = 600, damping = 0.1, label = "twine" })
-scene:force("springs", { edges = knots, k = 600, damping = 0.1, label = "knots" })
+twine.net(scene, { meshes = n, side = 1, height = 0.5, radius = radius, mass = 0.03, k = 600 })
 for k = 1, balls do
   local a = 2.4 * k -- the golden angle: balls are spread evenly
   local ball = scene:body { shape = "sphere", radius = 0.1, detail = 2e-2, mass = 0.12, group = "balls",

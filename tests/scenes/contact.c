@@ -43,10 +43,24 @@ static void a_house_of_cards_stands_by_friction(void **state) {
   assert_true(standing > 0.52 && measure("height") < 0.5);
 }
 
+/* It falls by g (t - 1 + exp(-t)) against drag of 1/s until it meets the net at 0.5 m, which sags by its weight but
+ * lets nothing through: a tube of 0.055 m would hang by more than its width below where one slipped past a thread. */
+static void a_knot_falls_and_a_net_holds_it(void **state) {
+  (void)state;
+  run("knot_in_net", "n=60 around=8 meshes=5 --until 0");
+  double start = measure("lowest");
+  run("knot_in_net", "n=60 around=8 meshes=5 --until 0.1");
+  assert_true(fabs(start - measure("lowest") - 9.81 * (0.1 - 1 + exp(-0.1))) < 1e-4);
+  run("knot_in_net", "n=60 around=8 meshes=5 --until 0.5 --trust");
+  double lowest = measure("lowest");
+  if (!(lowest > 0.28 && lowest < 0.49)) fail_msg("the lowest point is at %g m", lowest);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_stack_is_as_high_as_its_sheets),
       cmocka_unit_test(a_house_of_cards_stands_by_friction),
+      cmocka_unit_test(a_knot_falls_and_a_net_holds_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

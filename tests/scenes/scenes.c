@@ -49,6 +49,7 @@ static const char *options_of(const char *scene) {
       {"gyroid", "size=0.1"},
       {"hair_methods", "strands=4"},
       {"hourglass", "n=150"},
+      {"knot_in_net", "n=60 around=8 meshes=4"},
       {"materials", "N=7 --trust"},
       {"metaballs", "pairs=1 size=0.1"},
       {"peirce", "N=10"},

@@ -85,6 +85,38 @@ for _, method in ipairs { "tetrahedra", "cubes" } do
   assert(cloth == 3, "the cloth has stayed as it was")
 end
 
+-- One particle by anisotropic kernels is a ball of 1.36 radii, 2.5 times the volume, and smaller kernels of a lower threshold
+-- are told apart.
+must("convert out --to obj --isosurface 0.1 --cell 0.02 --field anisotropic --out kernels")
+local volume, broken = volume_near(read_obj(at("kernels/000001.obj")), 5)
+assert(broken == 0 and volume / ball > 2.3 and volume / ball < 2.7, ("a drop has the volume %g of %g"):format(volume, ball))
+must("convert out --to obj --isosurface 0.1 --cell 0.02 --field anisotropic --threshold 0.05 --position-smoothing 0"
+  .. " --stretch 2 --out wide")
+local wide = volume_near(read_obj(at("wide/000001.obj")), 5)
+assert(wide > 1.3 * volume, "a lower threshold has more within")
+
+-- A drop by itself is not smoothed.
+must("convert out --to obj --isosurface 0.1 --cell 0.02 --smoothing 25 --out smooth")
+assert(files.read(at("smooth/000001.obj")) == files.read(at("obj_tetrahedra/000001.obj")), "a lone drop keeps its shape")
+
+-- A drop half in the floor ends there when it is asked to.
+files.write(at("rest.lua"), [[
+local scene = hooke.scene { duration = 0.1, fps = 10, integrator = "leapfrog", dt = 1e-2 }
+scene:particle { position = { 0, 0, 0 }, mass = 1 }
+scene:corrector("obstacle", { shape = "plane", normal = { 0, 0, 1 } })
+scene:output("trajectory", {})
+return scene
+]])
+must("run rest.lua --quiet --trust --out rest")
+for _, cut in ipairs { "", "--cut" } do
+  must("convert rest --to obj --isosurface 0.1 --cell 0.02 %s --out rest%s", cut, cut)
+  local mesh, low = read_obj(at(("rest%s/000000.obj"):format(cut))), 1
+  for _, x in ipairs(mesh.x) do low = math.min(low, x[3]) end
+  local size, open = volume_near(mesh, 0)
+  assert(open == 0 and math.abs(low - (cut == "" and -0.1 or 0)) < 2e-3, ("%s: from %g m"):format(cut, low)) -- a tenth of a cell
+  assert(math.abs(size / ball - (cut == "" and 1 or 0.5)) < 0.06, ("%s: the volume %g of %g"):format(cut, size, ball))
+end
+
 -- ---- PLY: numbers at the vertices ----
 
 must("convert out --to ply --isosurface 0.1 --field zhu_bridson --out ply")
@@ -115,6 +147,16 @@ end
 refused("--to obj --isosurface 0.1 --field density", "--isosurface: isosurface: no surface in the box")
 refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj or vtk")
 refused("--to obj --cell 0.1", "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
+refused("--to obj --isosurface 0.1 --threshold 0.5", "--threshold is for --field density or anisotropic")
+refused("--to obj --isosurface 0.1 --field density --threshold 1", "a threshold of 1: ")
+refused("--to obj --isosurface 0.1 --stretch 2", "--position-smoothing and --stretch are for --field anisotropic")
+refused("--to obj --isosurface 0.1 --field anisotropic --position-smoothing=-1", "--position-smoothing: -1 is no part from 0 to 1")
+refused("--to obj --isosurface 0.1 --field anisotropic --stretch 0.5", "kernels stretched up to 0.5")
+refused("--to obj --isosurface 0.1 --cell 0", "--cell: '0' is not a positive number")
+refused("--to obj --isosurface 0.1 --reach=-1", "--reach: '-1' is not a positive number")
+refused("--to obj --isosurface 0.1 --smoothing 1001", "--smoothing: 1001 rounds are more than 1000")
+refused("--to obj --cut", "give --isosurface RADIUS")
+refused("--to obj --smoothing 5", "give --isosurface RADIUS")
 refused("--to obj --isosurface 0", "--isosurface")
 refused("--to obj --isosurface 1e-9", "take larger ones, or leave out what has flown away")
 refused("--to obj --isosurface 0.1 --reach 0.01", "the reach is no less than the radius")

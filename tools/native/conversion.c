@@ -43,7 +43,8 @@ static int answer(lua_State *L, conversion *c, bool fine, lua_Integer frames) {
 }
 
 static bool shoot(conversion *c, size_t k) {
-  if (hk_recording_frame_read(c->recording, k, &c->gatherer)) return true;
+  if (hk_recording_frame_read(c->recording, k, &c->gatherer) && hk_recorded_solids_move(&c->recording->solids, k))
+    return true;
   snprintf(c->why, sizeof c->why, "frame %zu cannot be read: the file is damaged, or there is no memory", k + 1);
   return false;
 }
@@ -103,24 +104,33 @@ static double number_at(lua_State *L, int table, const char *key) {
   return value;
 }
 
-/* { radius =, reach =, cell =, threshold =, density = true, cubes = true }; false: none is asked for. */
+/* { radius =, reach =, cell =, threshold =, field = "density", position_smoothing =, stretch =, cubes = true }, of
+ * which what is nil is 0, left out; false: none is asked for. */
 static bool read_surface(lua_State *L, int table, hk_particle_surface_options *o) {
+  static const char *const names[] = {"zhu_bridson", "density", "anisotropic", NULL};
   if (!lua_istable(L, table)) return false;
   *o = (hk_particle_surface_options){.radius = number_at(L, table, "radius"),
                                      .reach = number_at(L, table, "reach"),
-                                     .cell = number_at(L, table, "cell")};
-  lua_getfield(L, table, "density");
-  o->kind = lua_toboolean(L, -1) ? HK_PARTICLE_DENSITY : HK_ZHU_BRIDSON;
+                                     .cell = number_at(L, table, "cell"),
+                                     .smoothing = (unsigned)number_at(L, table, "smoothing"),
+                                     .threshold = number_at(L, table, "threshold"),
+                                     .stretch = number_at(L, table, "stretch")};
+  lua_getfield(L, table, "position_smoothing");
+  o->position_smoothing = lua_isnil(L, -1) ? 0 : lua_tonumber(L, -1) > 0 ? lua_tonumber(L, -1) : -1;
+  lua_getfield(L, table, "field");
+  o->kind = (hk_particle_field_kind)luaL_checkoption(L, -1, names[0], names);
   lua_getfield(L, table, "cubes");
   o->method = lua_toboolean(L, -1) ? HK_MARCHING_CUBES : HK_MARCHING_TETRAHEDRA;
-  lua_pop(L, 2);
+  lua_pop(L, 3);
   return true;
 }
 
 /* The frame that was read, with the surface of its loose particles in their stead. */
 static bool make_surface(conversion *c, const hk_host *host, hk_tool_host *holder, hk_surface_frame *frame,
-                         const hk_particle_surface_options *o) {
-  if (hk_surface_frame_make(frame, host, &c->gatherer.data, o) == HK_OK) return true;
+                         const hk_particle_surface_options *o, bool cut) {
+  hk_recorded_solids *solids = &c->recording->solids;
+  hk_solid_list walls = {solids->count, solids->solid};
+  if (hk_surface_frame_make(frame, host, &c->gatherer.data, o, cut ? &walls : NULL) == HK_OK) return true;
   snprintf(c->why, sizeof c->why, "at t = %g s: %.400s", c->gatherer.data.t, holder->error.text);
   return false;
 }
@@ -138,12 +148,13 @@ static int sequence(lua_State *L) {
   hk_surface_frame surface = {.data = {0}};
   const hk_host *host = read_surface(L, 4, &options) ? hk_tool_host_open(&holder, "--isosurface") : NULL;
   lua_Integer written = 0;
+  bool cut = host && lua_getfield(L, 4, "cut") == LUA_TBOOLEAN && lua_toboolean(L, -1);
   bool fine = host || !lua_istable(L, 4);
   if (!fine) snprintf(c->why, sizeof c->why, "no memory, or no threads");
   for (size_t k = c->from; k <= c->to && fine; k += c->every) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
-    fine = shoot(c, k) && (!host || make_surface(c, host, &holder, &surface, &options));
+    fine = shoot(c, k) && (!host || make_surface(c, host, &holder, &surface, &options, cut));
     const hk_frame_data *data = host ? &surface.data : &c->gatherer.data;
     if (fine && !hk_sequence_write(format, data, path, why, sizeof why)) fine = cannot_write(c, path, why);
     written += fine;

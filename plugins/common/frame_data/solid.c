@@ -1,4 +1,5 @@
 #include "plugins/common/frame_data/solid.h"
+#include "plugins/kit/vector3.h"
 
 #include <math.h>
 
@@ -34,4 +35,30 @@ void hk_solid_box(const hk_frame_solid *solid, double low[3], double high[3]) {
     low[c] = fmin(low[c], solid->centre[c] - half);
     high[c] = fmax(high[c], solid->centre[c] + half);
   }
+}
+
+/* In its own frame: along its axes, which are orthogonal. */
+static double distance_from(const hk_frame_solid *s, const double x[3], double n[3]) {
+  hk_shape shape = {.kind = s->kind, .hollow = s->hollow, .normal = {0, 0, 1}};
+  double unit[3][3], p[3], own[3], d[3] = {x[0] - s->centre[0], x[1] - s->centre[1], x[2] - s->centre[2]};
+  for (int k = 0; k < 3; k++) {
+    shape.half[k] = hk_length(s->axis[k]);
+    for (int c = 0; c < 3; c++) unit[k][c] = shape.half[k] > 0 ? s->axis[k][c] / shape.half[k] : 0;
+    p[k] = hk_dot(unit[k], d);
+  }
+  double distance = hk_shape_distance(&shape, p, own);
+  for (int c = 0; c < 3; c++) n[c] = own[0] * unit[0][c] + own[1] * unit[1][c] + own[2] * unit[2][c];
+  return distance;
+}
+
+double hk_solids_distance(const void *list, const double x[3], double n[3]) {
+  const hk_solid_list *l = list;
+  double least = INFINITY, normal[3];
+  n[0] = n[1] = n[2] = 0;
+  for (size_t k = 0; k < l->count; k++) {
+    if (l->solid[k].kind == HK_SHAPE_MESH) continue;
+    double distance = distance_from(&l->solid[k], x, normal);
+    if (distance < least) least = distance, hk_copy(n, normal);
+  }
+  return least;
 }

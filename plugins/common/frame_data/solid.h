@@ -28,4 +28,13 @@ typedef struct hk_frame_solid {
 /* Enlarges the box by the solid, but for planes. */
 void hk_solid_box(const hk_frame_solid *, double low[3], double high[3]);
 
+typedef struct hk_solid_list {
+  size_t count;
+  const hk_frame_solid *solid;
+} hk_solid_list;
+
+/* m, of a place from the nearest of an hk_solid_list, below 0 within it (of a hollow one outside); n: the gradient, of
+ * length 1. Meshes are left out; INFINITY and n = 0 where there is nothing else. */
+double hk_solids_distance(const void *list, const double x[3], double n[3]);
+
 #endif

@@ -137,7 +137,7 @@ static void find_range(const hk_surface_work *w, size_t blocks, double *low, dou
 static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
   double low, high;
   find_range(w, blocks, &low, &high);
-  if (w->known)
+  if (w->known && w->options->coarse > 1)
     return w->host->fail(
         w->host, HK_BAD_PARAM,
         "isosurface: no surface in the box: the field is from %g to %g on every point %u and the level %g: take "
@@ -159,7 +159,7 @@ static hk_status refuse_empty(const hk_surface_work *w, size_t blocks) {
 static hk_status list_blocks(hk_surface_work *w, size_t blocks) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < blocks; k++) w->count += w->slot[k];
-  if (w->count == 0) return refuse_empty(w, blocks);
+  if (w->count == 0) return w->options->may_be_empty ? HK_OK : refuse_empty(w, blocks);
   if (w->count >= hk_no_slot)
     return w->host->fail(w->host, HK_BAD_PARAM, "isosurface: %zu blocks at the surface: take a larger spacing",
                          w->count);
@@ -260,9 +260,10 @@ hk_status hk_isosurface_find(hk_isosurface *surface, const hk_host *host, const 
   hk_surface_work w = {.host = host, .grid = grid, .field = field, .options = options};
   hk_status status = check(&w);
   if (status == HK_OK) status = find_blocks(&w);
-  if (status == HK_OK) status = count_all(&w);
-  if (status == HK_OK && field->evaluate) status = hk_blocks_agree(&w);
-  if (status == HK_OK) status = write_all(&w);
+  bool any = w.count > 0;
+  if (status == HK_OK && any) status = count_all(&w);
+  if (status == HK_OK && any && field->evaluate) status = hk_blocks_agree(&w);
+  if (status == HK_OK && any) status = write_all(&w);
   release_work(&w);
   if (status != HK_OK) hk_isosurface_free(&w.found, host);
   if (status != HK_OK) return status;

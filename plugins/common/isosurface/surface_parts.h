@@ -47,6 +47,7 @@ typedef struct hk_isosurface_options { /* zeroed ones are valid */
    * piece of the surface that passes between those points and touches nothing that was found is missed
    * (surface_search.c); `bounds` are not used. 0: all blocks are evaluated that the bounds leave. */
   unsigned coarse;
+  bool may_be_empty;    /* no surface in the box is one without vertices, and no error */
   bool without_normals; /* the surface has none, and a function is not asked for them, six times a vertex */
   size_t most_bytes;    /* an error before more than this is allocated; 0: no limit */
 } hk_isosurface_options;

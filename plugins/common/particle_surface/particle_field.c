@@ -6,34 +6,25 @@ enum { SIDE = 8 };
 
 static const double most_cells = 1e8, wider = 1 + 1e-9; /* of an axis; of a reach, so that rounding leaves none out */
 
-static hk_status check(hk_particle_field *f) {
-  hk_particle_surface_options *o = &f->o;
-  if (!(o->radius > 0 && o->radius <= 1e100))
-    return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: a radius of %g m: give one above 0", o->radius);
-  if (o->reach == 0) o->reach = 4 * o->radius;
-  if (o->cell == 0) o->cell = o->radius / 2;
-  if (o->threshold == 0) o->threshold = 0.6;
-  if (!(o->reach >= o->radius && o->reach <= 1e100 && o->cell > 0 && o->cell <= o->reach))
-    return f->host->fail(
-        f->host, HK_BAD_PARAM,
-        "surface of particles: a reach of %g m and cells of %g m beside a radius of %g m: the reach is "
-        "no less than the radius, and cells are no larger than the reach",
-        o->reach, o->cell, o->radius);
-  if (f->n == 0) return f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: there are none");
-  return HK_OK;
+/* How far blocks list a particle: beside walls as far as its value two radii off them is used. */
+static double reach_of(const hk_particle_field *f, size_t i) {
+  double reach = f->kernel ? f->kernel[i].reach : f->o.reach;
+  return f->o.walls ? fmax(reach, 5 * f->o.radius) : reach;
 }
 
 static hk_status choose_grid(hk_particle_field *f) {
-  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, h = f->o.cell;
-  for (size_t i = 0; i < f->n; i++)
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, h = f->o.cell, reach = 0;
+  for (size_t i = 0; i < f->n; i++) {
+    reach = fmax(reach, reach_of(f, i));
     for (int c = 0; c < 3; c++) {
       if (!(fabs(f->x[i][c]) <= 1e100))
         return f->host->fail(f->host, HK_NOT_FINITE, "surface of particles: particle %zu is at (%g, %g, %g) m", i + 1,
                              f->x[i][0], f->x[i][1], f->x[i][2]);
       low[c] = fmin(low[c], f->x[i][c]), high[c] = fmax(high[c], f->x[i][c]);
     }
+  }
   for (int c = 0; c < 3; c++) {
-    double first = floor((low[c] - f->o.reach) / h) - 1, last = ceil((high[c] + f->o.reach) / h) + 1;
+    double first = floor((low[c] - reach) / h) - 1, last = ceil((high[c] + reach) / h) + 1;
     if (!(last - first < most_cells) || !(fabs(first) < 1e15))
       return f->host->fail(f->host, HK_BAD_PARAM,
                            "surface of particles: particles from %g m to %g m along %c in cells of %g m are too many "
@@ -65,7 +56,7 @@ static double gap(double u, long b) {
 
 /* Counts particle i in its blocks, or, with a list, puts it there. */
 static void visit(hk_particle_field *f, uint32_t i, size_t *next) {
-  double reach = f->o.reach / f->o.cell * wider, u[3];
+  double reach = reach_of(f, i) / f->o.cell * wider, u[3];
   long first[3], last[3], b[3];
   for (int c = 0; c < 3; c++) {
     u[c] = (f->x[i][c] - f->grid.origin[c]) / f->o.cell + 1;
@@ -117,7 +108,9 @@ static hk_status list_particles(hk_particle_field *f) {
 }
 
 hk_status hk_particle_field_open(hk_particle_field *f) {
-  hk_status status = check(f);
+  hk_status status = hk_particle_options_complete(&f->o, f->host);
+  if (status == HK_OK && f->n == 0)
+    status = f->host->fail(f->host, HK_BAD_PARAM, "surface of particles: there are none");
   if (status == HK_OK) status = choose_grid(f);
   return status == HK_OK ? list_particles(f) : status;
 }

@@ -6,11 +6,18 @@
 
 #include "plugins/common/particle_surface/particle_options.h"
 
+typedef struct hk_particle_kernel { /* its value at d from its centre: amplitude P(sqrt(d^T form d)), P(q) = 0 for q >=
+                                       2 */
+  double form[6];                   /* 1/m^2: xx, yy, zz, yz, xz, xy */
+  double amplitude, reach;          /* reach: m, of the ball that holds it */
+} hk_particle_kernel;
+
 typedef struct hk_particle_field {
   const hk_host *host;
-  const double (*x)[3];
+  const double (*x)[3]; /* n x 3, m: of particles, or of the centres of kernels */
   size_t n;
-  hk_particle_surface_options o; /* what is left out is filled in by hk_particle_field_open */
+  const hk_particle_kernel *kernel; /* n; NULL: all are balls of the options' reach */
+  hk_particle_surface_options o;    /* what is left out is filled in by hk_particle_field_open */
   hk_isosurface_grid grid;
   size_t blocks[3];
   size_t *start;  /* blocks + 1 */

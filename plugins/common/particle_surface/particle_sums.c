@@ -7,6 +7,8 @@
 
 enum { SIDE = 9, ROW = 12, ROWS = SIDE * SIDE };
 
+static const double wider = 1 + 1e-9; /* of a squared reach, so that rounding leaves none out */
+
 typedef struct sums {
   double x[ROW], y[SIDE], z[SIDE];
   double w[ROWS][ROW], wx[ROWS][ROW], wy[ROWS][ROW], wz[ROWS][ROW]; /* of the density w alone */
@@ -82,10 +84,47 @@ HK_INLINE void add_each_density(sums *s, const hk_particle_field *f, const uint3
   }
 }
 
+/* ---- anisotropic kernels ---- */
+
+/* Along a row the form is form[0] (dx + shift)^2 + rest. */
+HK_INLINE void add_kernel_row(sums *s, int row, const double p[3], const hk_particle_kernel *k, double shift,
+                              double rest) {
+  double *w = s->w[row];
+  for (int i = 0; i < ROW; i++) {
+    double dx = s->x[i] - p[0] + shift;
+    w[i] += k->amplitude * spline(sqrt(rest + k->form[0] * (dx * dx)));
+  }
+}
+
+HK_INLINE void add_each_kernel(sums *s, const hk_particle_field *f, const uint32_t *list, size_t count) {
+  for (size_t n = 0; n < count; n++) {
+    const double *p = f->x[list[n]];
+    const hk_particle_kernel *kernel = &f->kernel[list[n]];
+    const double *a = kernel->form;
+    for (int k = 0; k < SIDE; k++) {
+      double dz = s->z[k] - p[2];
+      for (int j = 0; j < SIDE; j++) {
+        double dy = s->y[j] - p[1], shift = (a[5] * dy + a[4] * dz) / a[0];
+        double rest = a[1] * dy * dy + a[2] * dz * dz + 2 * a[3] * dy * dz - a[0] * shift * shift;
+        if (rest < 4) add_kernel_row(s, k * SIDE + j, p, kernel, shift, rest > 0 ? rest : 0);
+      }
+    }
+  }
+}
+
+static double kernel_at(const hk_particle_kernel *k, const double d[3]) {
+  const double *a = k->form;
+  double square = a[0] * d[0] * d[0] + a[1] * d[1] * d[1] + a[2] * d[2] * d[2] +
+                  2 * (a[3] * d[1] * d[2] + a[4] * d[0] * d[2] + a[5] * d[0] * d[1]);
+  return k->amplitude * spline(sqrt(square > 0 ? square : 0));
+}
+
 HK_VERSIONS(static void, add_distances, (sums * s, const hk_particle_field *f, const uint32_t *list, size_t count),
             add_each(s, f, list, count))
 HK_VERSIONS(static void, add_densities, (sums * s, const hk_particle_field *f, const uint32_t *list, size_t count),
             add_each_density(s, f, list, count))
+HK_VERSIONS(static void, add_kernels, (sums * s, const hk_particle_field *f, const uint32_t *list, size_t count),
+            add_each_kernel(s, f, list, count))
 
 /* ---- a block, and places ---- */
 
@@ -99,13 +138,15 @@ static void open_sums(sums *s, const double x[SIDE], const double y[SIDE], const
 void hk_particle_field_lattice(const void *self, const double x[9], const double y[9], const double z[9],
                                double value[729]) {
   const hk_particle_field *f = self;
-  bool density = f->o.kind == HK_PARTICLE_DENSITY;
+  bool density = f->o.kind != HK_ZHU_BRIDSON;
   size_t block = hk_particle_field_block(f, (const double[3]){x[SIDE / 2], y[SIDE / 2], z[SIDE / 2]});
   const uint32_t *list = f->list + f->start[block];
   size_t count = f->start[block + 1] - f->start[block];
   sums s;
   open_sums(&s, x, y, z, density);
-  if (density)
+  if (f->kernel)
+    HK_WIDEST(f->host->lanes, add_kernels)(&s, f, list, count);
+  else if (density)
     HK_WIDEST(f->host->lanes, add_densities)(&s, f, list, count);
   else
     HK_WIDEST(f->host->lanes, add_distances)(&s, f, list, count);
@@ -119,12 +160,17 @@ void hk_particle_field_lattice(const void *self, const double x[9], const double
 static double value_at(const hk_particle_field *f, const double x[3]) {
   size_t block = hk_particle_field_block(f, x);
   double w = 0, sum[3] = {0}, scale = 1 / (f->o.reach * f->o.reach), most = spline_scale(f);
-  bool density = f->o.kind == HK_PARTICLE_DENSITY;
+  bool density = f->o.kind != HK_ZHU_BRIDSON;
   for (size_t n = f->start[block]; n < f->start[block + 1]; n++) {
     const double *p = f->x[f->list[n]];
     double d[3] = {x[0] - p[0], x[1] - p[1], x[2] - p[2]}, square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    double reach = f->kernel ? f->kernel[f->list[n]].reach : f->o.reach;
+    if (square >= reach * reach * wider) continue; /* it adds 0 */
     double q = 1 - square * scale, k = q > 0 ? q * q * q : 0;
-    if (density) k = most * spline(sqrt(square) * 2 / f->o.reach);
+    if (f->kernel)
+      k = kernel_at(&f->kernel[f->list[n]], d);
+    else if (density)
+      k = most * spline(sqrt(square) * 2 / f->o.reach);
     w += k;
     for (int c = 0; c < 3; c++) sum[c] += k * d[c];
   }

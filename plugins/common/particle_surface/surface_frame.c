@@ -142,10 +142,12 @@ void hk_surface_frame_free(hk_surface_frame *s, const hk_host *host) {
 }
 
 hk_status hk_surface_frame_make(hk_surface_frame *frame, const hk_host *host, const hk_frame_data *of,
-                                const hk_particle_surface_options *options) {
+                                const hk_particle_surface_options *options, const hk_solid_list *solids) {
+  hk_particle_walls walls = {hk_solids_distance, solids};
   work w = {.host = host, .of = of};
   hk_particle_surface_options o = *options;
   o.without_normals = true;
+  if (solids && solids->count > 0) o.walls = &walls;
   bool fine = sort_out(&w);
   hk_status status = fine ? HK_OK : HK_NO_MEMORY;
   if (fine && w.loose > 0) status = hk_particle_surface_find(&w.surface, host, (const double(*)[3])w.x, w.loose, &o);

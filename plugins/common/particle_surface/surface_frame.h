@@ -11,10 +11,11 @@ typedef struct hk_surface_frame { /* a zeroed one is empty; memory is the host's
   hk_frame_data data;             /* solids and marks are those of the frame that it was made of */
 } hk_surface_frame;
 
-/* Replaces the frame. Forces and strains of vertices are 0. Where no particle is loose there are no triangles beside
- * the frame's own. The status of hk_particle_surface_find. */
+/* Replaces the frame. It is cut by walls that are no meshes; NULL: there are none. Forces and strains of vertices are
+ * 0. Where no particle is loose there are no triangles beside the frame's own. The status of hk_particle_surface_find.
+ */
 hk_status hk_surface_frame_make(hk_surface_frame *, const hk_host *, const hk_frame_data *of,
-                                const hk_particle_surface_options *);
+                                const hk_particle_surface_options *, const hk_solid_list *walls);
 void hk_surface_frame_free(hk_surface_frame *, const hk_host *);
 
 #endif

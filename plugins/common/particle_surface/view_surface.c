@@ -1,5 +1,6 @@
 /* Chooses the particles of a liquid in a view, and makes the solid that is drawn of their surface. */
 #include "plugins/common/particle_surface/view_surface.h"
+#include "plugins/common/frame_data/obstacle_solids.h"
 #include "plugins/common/isosurface/isosurface.h"
 #include "plugins/common/particle_surface/particle_surface.h"
 #include "plugins/common/snapshot/appearance.h"
@@ -54,9 +55,16 @@ hk_status hk_view_surface_take(hk_view_surface *s, const hk_view *view, bool y_u
   s->solid.vertices = s->solid.faces = 0;
   size_t n = status == HK_OK ? gather(s, view) : 0;
   if (n == 0) return status;
-  s->options.without_normals = true;
-  status = hk_particle_surface_find(&s->surface, view->host, (const double(*)[3])s->x, n, &s->options);
-  if (status != HK_OK) return status;
+  hk_frame_solid solid[HK_OBSTACLES];
+  hk_solid_list solids = {s->walls ? s->walls->count : 0, solid};
+  hk_particle_walls walls = {hk_solids_distance, &solids};
+  if (s->walls) hk_obstacle_solids(s->walls, false, solid);
+  hk_particle_surface_options options = s->options;
+  options.without_normals = true;
+  options.may_be_empty = true; /* a liquid whose drops are too small for its field, for a while */
+  options.walls = solids.count > 0 ? &walls : NULL;
+  status = hk_particle_surface_find(&s->surface, view->host, (const double(*)[3])s->x, n, &options);
+  if (status != HK_OK || s->surface.vertices == 0) return status;
   for (int k = 0; k < 3; k++) hk_to_z_up(y_up, axis[k], s->solid.axis[k]);
   s->solid.vertices = s->surface.vertices, s->solid.faces = s->surface.triangles;
   s->solid.vertex = s->surface.x[0];

@@ -2,13 +2,15 @@
 #ifndef HK_VIEW_SURFACE_H
 #define HK_VIEW_SURFACE_H
 
+#include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/frame_data/solid.h"
 #include "plugins/common/particle_surface/particle_options.h"
 
 typedef struct hk_view_surface {
   hk_particle_surface_options options; /* to be set */
-  uint32_t group;       /* to be set: of the model; UINT32_MAX: all that are in no edge, triangle or element */
-  hk_frame_solid solid; /* a mesh, valid until the next call; without faces where there is no liquid */
+  uint32_t group;               /* to be set: of the model; UINT32_MAX: all that are in no edge, triangle or element */
+  const hk_obstacle_set *walls; /* to be set: what cuts the surface; NULL: nothing */
+  hk_frame_solid solid;         /* a mesh, valid until the next call; without faces where there is no liquid */
   hk_isosurface surface;
   bool *bound; /* particles of the view: in an element */
   double (*x)[3];

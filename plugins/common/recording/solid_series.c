@@ -137,6 +137,17 @@ bool hk_recorded_solids_place(const hk_recorded_solids *s, size_t k, double *to)
   return fine;
 }
 
+bool hk_recorded_solids_move(hk_recorded_solids *s, size_t k) {
+  double *number = malloc((s->count + 1) * HK_SOLID_NUMBERS * sizeof *number);
+  bool fine = number && hk_recorded_solids_place(s, k, number);
+  for (size_t i = 0; i < s->count && fine; i++) {
+    memcpy(s->solid[i].centre, number + HK_SOLID_NUMBERS * i, sizeof s->solid[i].centre);
+    memcpy(s->solid[i].axis, number + HK_SOLID_NUMBERS * i + 3, sizeof s->solid[i].axis);
+  }
+  free(number);
+  return fine;
+}
+
 void hk_recorded_solids_close(hk_recorded_solids *s) {
   if (s->place > 0) H5Dclose(s->place);
   free(s->solid);

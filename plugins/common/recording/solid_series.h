@@ -37,6 +37,8 @@ typedef struct hk_recorded_solids {
 bool hk_recorded_solids_open(hk_recorded_solids *, hid_t file);
 /* Of frame k (from 0): 12 count numbers. */
 bool hk_recorded_solids_place(const hk_recorded_solids *, size_t k, double *to);
+/* Moves the solids to where they are in frame k. False: no memory, or the file is damaged. */
+bool hk_recorded_solids_move(hk_recorded_solids *, size_t k);
 void hk_recorded_solids_close(hk_recorded_solids *);
 
 #endif

@@ -161,7 +161,7 @@ static void functions_that_give_no_value_are_named(void **state) {
 static void surfaces_that_are_not_there_are_said(void **state) {
   (void)state;
   refused("f = function(x, y, z) return 0.25 - x*x end, level = 8, " BOX,
-          "no surface in the box: the field is from -8.75 to -7.75 on every point 1 and the level 0");
+          "no surface in the box: the field is from -8.75 to -7.75 on the grid and the level 0");
   refused("f = function(x, y, z) return 2 - x*x - y*y - z*z end, " BOX, "the surface leaves the box: at (");
   refused("f = function(x, y, z) return x*x + y*y + z*z - 0.5 end, " BOX, "inside = \"below\" turns it round");
   refused("f = function(x, y, z) return 2 - x*x - y*y - z*z end, as = 'solid', " BOX, "the surface leaves the box, or");

@@ -1,6 +1,6 @@
 /* Surfaces of particles against closed forms: one particle, a ball of a lattice, a full lattice's density; the same
  * bits for any number of threads and width of vectors; and a sentence for each thing that cannot be. */
-#include "plugins/common/particle_surface/particle_field.h"
+#include "plugins/common/particle_surface/particle_kernels.h"
 #include "plugins/common/particle_surface/particle_surface.h"
 #include "tests/plugins/common/isosurface/balls.h"
 
@@ -93,13 +93,19 @@ static void a_full_lattice_has_the_density_one(void **state) {
 static void blocks_and_places_agree(void **state) {
   (void)state;
   size_t n = fill_ball(0.5, 0.1);
-  for (int kind = 0; kind < 2; kind++) {
+  for (int kind = 0; kind < 3; kind++) {
     bench b;
     hk_particle_field f = {.x = (const double(*)[3])place, .n = n};
+    hk_particle_kernels kernels = {0};
     double axis[3][9], value[729], each[1];
     f.host = open_bench(&b, 1);
     f.o = (hk_particle_surface_options){(hk_particle_field_kind)kind, .radius = 0.05, .reach = 0.2, .cell = 0.025,
                                         .threshold = 0.6};
+    assert_int_equal(hk_particle_options_complete(&f.o, f.host), HK_OK);
+    if (kind == HK_ANISOTROPIC) {
+      assert_int_equal(hk_particle_kernels_make(&kernels, f.host, f.x, n, &f.o), HK_OK);
+      f.x = (const double(*)[3])kernels.centre, f.kernel = kernels.kernel;
+    }
     assert_int_equal(hk_particle_field_open(&f), HK_OK);
     for (size_t block = 0; block < f.blocks[0] * f.blocks[1] * f.blocks[2]; block += 7) {
       size_t at[3] = {block % f.blocks[0], block / f.blocks[0] % f.blocks[1], block / f.blocks[0] / f.blocks[1]};
@@ -113,6 +119,7 @@ static void blocks_and_places_agree(void **state) {
       }
     }
     hk_particle_field_close(&f);
+    hk_particle_kernels_free(&kernels, f.host);
     close_bench(&b);
   }
 }
@@ -126,7 +133,7 @@ static void threads_and_vectors_change_no_bit(void **state) {
     seed = seed * 6364136223846793005u + 1442695040888963407u;
     place[k / 3][k % 3] += 0.08 * ((double)(seed >> 40) / (double)(1 << 24) - 0.5);
   }
-  for (int kind = 0; kind < 2; kind++) {
+  for (int kind = 0; kind < 3; kind++) {
     bench b[4];
     for (int k = 0; k < 4; k++) {
       open_bench(&b[k], threads[k]);
@@ -156,6 +163,11 @@ static void what_cannot_be_is_said(void **state) {
   refused(1, (hk_particle_surface_options){.radius = 0}, HK_BAD_PARAM, "a radius of 0 m: give one above 0");
   refused(1, (hk_particle_surface_options){.radius = 1, .reach = 0.5}, HK_BAD_PARAM, "a reach of 0.5 m");
   refused(1, (hk_particle_surface_options){HK_PARTICLE_DENSITY, .radius = 1}, HK_BAD_PARAM, "no surface in the box");
+  hk_particle_surface_options empty = {HK_PARTICLE_DENSITY, .radius = 1, .smoothing = 3, .may_be_empty = true};
+  bench b;
+  open_bench(&b, 1);
+  assert_true(surface(&b, 1, empty) == HK_OK && b.surface.vertices == 0 && b.surface.triangles == 0);
+  close_bench(&b);
   place[1][0] = 1e12;
   refused(2, (hk_particle_surface_options){.radius = 1}, HK_BAD_PARAM,
           "are too many cells: take larger ones, or leave");

@@ -35,7 +35,8 @@ static int count_red(const picture *p, int from, int to) {
 static void a_drop_is_a_disc_where_it_is(void **state) {
   (void)state;
   static test_result r;
-  static const char *const of[] = {"surface = 0.1, surface_cell = 0.02", "surface = 0.1, surface_of = 'water'"};
+  static const char *const of[] = {"surface = 0.1, surface_cell = 0.02",
+                                   "surface = 0.1, surface_of = 'water', surface_smoothing = 25"};
   for (int k = 0; k < 2; k++) {
     char options[256];
     snprintf(options, sizeof options, "%s, %s", camera, of[k]);
@@ -56,6 +57,53 @@ static void a_drop_is_a_disc_where_it_is(void **state) {
   }
 }
 
+/* One particle by anisotropic kernels is a ball of 1.36 radii (particle_options.h: k_n = 0.5), of 581 pixels. */
+static void the_field_of_a_surface_is_chosen(void **state) {
+  (void)state;
+  static test_result r;
+  char options[256], path[512];
+  snprintf(options, sizeof options, "%s, surface = 0.1, surface_cell = 0.02, surface_field = 'anisotropic'", camera);
+  write_scene(options);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/liquid/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  int disc = count_red(&p, 60, 100);
+  if (disc < 500 || disc > 640) fail_msg("%d pixels", disc);
+  free(p.rgb);
+  snprintf(options, sizeof options, "%s, surface = 0.1, surface_field = 'density'", camera);
+  write_scene(options);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code != 0) fail_msg("drops below the density's threshold are no error: %s", r.err);
+  p = read_picture(path);
+  assert_int_equal(count_red(&p, 60, 100), 0);
+  free(p.rgb);
+}
+
+/* A drop half in a floor at 0 m is half a disc, of 157 pixels, above the middle of the picture. */
+static void a_surface_is_cut_by_obstacles(void **state) {
+  (void)state;
+  static test_result r;
+  static const char text[] =
+      "local scene = hooke.scene { duration = 0, fps = 1, integrator = 'leapfrog', dt = 0.01 }\n"
+      "scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+      "scene:corrector('obstacle', { shape = 'plane', normal = { 0, 0, 1 } })\n"
+      "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, ground = "
+      "false, "
+      "fov = 5.1530, color = 'none', plain = { 1, 0, 0 }, obstacles = false, surface = 0.1, surface_cell = 0.02, "
+      "surface_cut = true, from = { 0, -10, 0 }, look_at = { 0, 0, 0 } })\nreturn scene\n";
+  char path[512];
+  test_write("liquid.lua", text);
+  test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/liquid/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  int disc = count_red(&p, 0, 160);
+  if (!(disc > 125 && disc < 180)) fail_msg("%d pixels", disc);
+  assert_true(is_red(&p, 80, 42) && !is_red(&p, 80, 48));
+  free(p.rgb);
+}
+
 static void refused(const char *options, const char *text) {
   static test_result r;
   write_scene(options);
@@ -69,12 +117,15 @@ static void what_cannot_be_drawn_is_said(void **state) {
           "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_of = 'water'",
           "surface: it is required beside surface_of");
+  refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_field = 'density'",
+          "surface: it is required beside surface_of and surface_field");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface = 0.1, surface_of = 'wine'",
           "surface_of: there is no group 'wine'");
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_drop_is_a_disc_where_it_is),
-                                     cmocka_unit_test(what_cannot_be_drawn_is_said)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_drop_is_a_disc_where_it_is), cmocka_unit_test(the_field_of_a_surface_is_chosen),
+      cmocka_unit_test(a_surface_is_cut_by_obstacles), cmocka_unit_test(what_cannot_be_drawn_is_said)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
