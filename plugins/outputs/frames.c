@@ -20,7 +20,8 @@ typedef struct frames {
   hk_frame_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
-  double surface_radius, surface_cell, surface_reach;
+  double surface_radius, surface_cell, surface_reach, surface_index, surface_absorption[3];
+  int surface_look;
   bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
@@ -34,6 +35,7 @@ typedef struct frames {
 
 enum { Z_UP, Y_UP };
 enum { AUTO_LIGHT, DAY, NIGHT };
+enum { OPAQUE, WATER };
 
 static const hk_param params[] = {
     {"width", "pixels", "width of the pictures", .integer = HK_AT(frames, width), .initial = {1280},
@@ -123,6 +125,18 @@ static const hk_param params[] = {
      .number = HK_AT(frames, surface_cell), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_reach", "m", "how far a particle is felt; left out: four radii", .number = HK_AT(frames, surface_reach),
      .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+    {"surface_look", "",
+     "opaque, or water: clear, it mirrors, bends and absorbs light by the laws of Fresnel, Snell, and Beer and "
+     "Lambert; the camera is "
+     "outside",
+     .choice = HK_AT(frames, surface_look), .choices = "opaque|water"},
+    {"surface_index", "", "of refraction, of a clear surface; 1.333 is water, 1.5 glass",
+     .number = HK_AT(frames, surface_index), .initial = {1.333}, .limits = HK_WITHIN(1, 4)},
+    {"surface_absorption", "1/m",
+     "of a clear surface, of red, green and blue light; left out: pure water at 650, 550 and 450 nm (Pope and Fry "
+     "1997), "
+     "blue in metres",
+     .vector = HK_AT(frames, surface_absorption), .initial = {0.34, 0.0565, 0.00922}, .limits = HK_WITHIN(0, 1e9)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -201,6 +215,8 @@ static void plan_light(frames *f) {
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;
   setup->streak = f->streak;
+  setup->water = (hk_water_look){.clear = f->surface_look == WATER, .index = (float)f->surface_index};
+  for (int c = 0; c < 3; c++) setup->water.absorption[c] = (float)f->surface_absorption[c];
 }
 
 static void make_plan(frames *f, double t) {
@@ -217,16 +233,18 @@ static void make_plan(frames *f, double t) {
 
 /* Without particles, which are in the liquid, where the script does not ask for them. */
 static hk_status choose_surface(frames *f, const hk_model *m) {
-  bool there = !isnan(f->surface_radius), more = f->surface_of || !isnan(f->surface_cell) || !isnan(f->surface_reach);
+  bool there = !isnan(f->surface_radius);
+  bool more = f->surface_of || f->surface_look || !isnan(f->surface_cell) || !isnan(f->surface_reach);
   if (!there && more)
     return f->host->fail(f->host, HK_BAD_PARAM,
-                         "surface: it is required beside surface_of, surface_cell and surface_reach: the radius of the "
-                         "liquid's particles, m");
+                         "surface: it is required beside surface_of, surface_look, surface_cell and surface_reach: the "
+                         "radius of the liquid's particles, m");
   if (!there) return HK_OK;
   f->surface.options = (hk_particle_surface_options){.radius = f->surface_radius,
                                                      .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
                                                      .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};
-  f->film.liquid = &f->surface.solid;
+  f->surface.smooth = f->surface_look == WATER;
+  f->film.liquid = &f->surface.solid, f->film.liquid_radius = f->surface_radius;
   if (f->particles == 0) f->film.appearance.particles = 2; /* none */
   return hk_view_surface_choose(&f->surface, f->host, m, f->surface_of);
 }
@@ -333,6 +351,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (now->index % (size_t)f->every != 0) return HK_OK;
   place_camera(f, view->t);
   hk_status status = f->film.liquid ? hk_view_surface_take(&f->surface, view, f->up == Y_UP) : HK_OK;
+  f->film.liquid_normal = f->surface.smooth && f->surface.surface.normal ? f->surface.surface.normal[0] : NULL;
   if (status == HK_OK) status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;

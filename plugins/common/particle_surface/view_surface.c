@@ -54,7 +54,7 @@ hk_status hk_view_surface_take(hk_view_surface *s, const hk_view *view, bool y_u
   s->solid.vertices = s->solid.faces = 0;
   size_t n = status == HK_OK ? gather(s, view) : 0;
   if (n == 0) return status;
-  s->options.without_normals = true;
+  s->options.without_normals = !s->smooth;
   status = hk_particle_surface_find(&s->surface, view->host, (const double(*)[3])s->x, n, &s->options);
   if (status != HK_OK) return status;
   for (int k = 0; k < 3; k++) hk_to_z_up(y_up, axis[k], s->solid.axis[k]);

@@ -8,6 +8,7 @@
 typedef struct hk_view_surface {
   hk_particle_surface_options options; /* to be set */
   uint32_t group;       /* to be set: of the model; UINT32_MAX: all that are in no edge, triangle or element */
+  bool smooth;          /* to be set: with normals */
   hk_frame_solid solid; /* a mesh, valid until the next call; without faces where there is no liquid */
   hk_isosurface surface;
   bool *bound; /* particles of the view: in an element */
