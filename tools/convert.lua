@@ -15,7 +15,7 @@ local function parser()
   p:option("--from-frame", "the first, counted from 1"):convert(command_line.whole("--from-frame")):default(1)
   p:option("--to-frame", "the last"):convert(command_line.whole("--to-frame"))
   p:option("--ids", "csv: ids of the particles, 1,2,5 (all)")
-  p:option("--isosurface", "ply, obj, vtk: the surface of the particles that are in no edge or triangle, in their stead;"
+  p:option("--isosurface", "the surface of the particles that are in no edge or triangle, in their stead (all but csv and pc2);"
     .. " m, their radius, half the distance of neighbours"):convert(command_line.number("--isosurface"))
   p:option("--cell", "of the surface, m: of the grid (half the radius)"):convert(command_line.number("--cell"))
   p:option("--reach", "of the surface, m: how far a particle is felt (four radii)"):convert(command_line.number("--reach"))
@@ -90,7 +90,7 @@ end
 local function convert(c, o, base)
   if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
   if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
-  if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single) end
+  if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single, surface_of(o)) end
   return c:sequence(o.to, base, surface_of(o))
 end
 
@@ -102,7 +102,9 @@ if o.ids then
   o.ids, why = ids_of(o.ids)
   if not o.ids then return complain(why) end
 end
-if o.isosurface and not is_sequence(o.to) then return complain("--isosurface is for --to ply, obj or vtk") end
+if o.isosurface and (o.to == "csv" or o.to == "pc2") then
+  return complain("--isosurface is for --to ply, obj, vtk, vtkhdf or xdmf: a table or a point cache has no meshes that change")
+end
 if not o.isosurface and (o.cell or o.reach or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
   return complain("--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
 end
