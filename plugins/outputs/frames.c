@@ -215,7 +215,7 @@ static void plan_light(frames *f) {
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;
   setup->streak = f->streak;
-  setup->water = (hk_water_look){.clear = f->surface_look == WATER, .index = (float)f->surface_index};
+  setup->water = (hk_water_optics){.clear = f->surface_look == WATER, .index = (float)f->surface_index};
   for (int c = 0; c < 3; c++) setup->water.absorption[c] = (float)f->surface_absorption[c];
 }
 

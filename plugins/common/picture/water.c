@@ -151,7 +151,7 @@ static float linear(float c) { return c <= 0.04045f ? c / 12.92f : powf((c + 0.0
 
 /* What is mirrored has the colours of the background, by night as by day: the floor darker, the sky lighter. */
 static void set_look(const hk_water *w, const hk_water_draw *d) {
-  const hk_water_look *look = &d->setup->water;
+  const hk_water_optics *optics = &d->setup->water;
   float ground[3], air[3];
   for (int c = 0; c < 3; c++) {
     float colour = linear(fminf(d->setup->background[c], 1));
@@ -161,8 +161,8 @@ static void set_look(const hk_water *w, const hk_water_draw *d) {
   glUniform3fv(uniform(w, HK_WATER_SURFACE, "air"), 1, air);
   glUniform3fv(uniform(w, HK_WATER_SURFACE, "key"), 1, d->key);
   glUniform3fv(uniform(w, HK_WATER_SURFACE, "sky"), 1, d->sky);
-  glUniform3fv(uniform(w, HK_WATER_SURFACE, "absorption"), 1, look->absorption);
-  glUniform1f(uniform(w, HK_WATER_SURFACE, "index"), look->index);
+  glUniform3fv(uniform(w, HK_WATER_SURFACE, "absorption"), 1, optics->absorption);
+  glUniform1f(uniform(w, HK_WATER_SURFACE, "index"), optics->index);
   glUniform1f(uniform(w, HK_WATER_SURFACE, "reach"), (float)d->setup->size);
   use_texture(w, HK_WATER_SURFACE, "total", HK_WATER_TOTAL);
   use_texture(w, HK_WATER_SURFACE, "entries", HK_WATER_ENTRIES);
