@@ -273,18 +273,20 @@ static lua_Integer record_frames(lua_State *L, conversion *c, surfaces *surface,
   hk_recorder *recorder = NULL;
   lua_Integer written = 0;
   int64_t part = -1;
+  bool begun = false;
   for (size_t k = c->from; k <= c->to && *fine && *read; k += c->every, written += *fine && *read) {
     const hk_frame_data *data = shoot(c, k) ? shown(c, surface) : NULL;
     *read = data != NULL;
     hk_frame frame = frame_of(r, k, names, values);
-    if (*read && !recorder) recorder = hk_recorder_open(h5, xdmf, &setup, data, &frame, why, sizeof why);
+    if (*read && !begun) recorder = hk_recorder_open(h5, xdmf, &setup, data, &frame, why, sizeof why);
     bool changed = surface->host || r->frame[k].part != part;
     if (*read) *fine = recorder && hk_recorder_add(recorder, data, changed, &frame, why, sizeof why);
+    begun = begun || *read;
     part = r->frame[k].part;
   }
   if (recorder && !hk_recorder_close(recorder, *fine && *read ? r->verdict : NULL, why, sizeof why)) *fine = false;
   if (!*fine) cannot_write(c, h5, why);
-  if (recorder && !(*fine && *read)) { /* a part of the motion is none */
+  if (begun && !(*fine && *read)) { /* a part of the motion is none */
     unlink(h5);
     unlink(xdmf);
   }

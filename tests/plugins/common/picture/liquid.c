@@ -95,6 +95,30 @@ static void without_a_camera_the_whole_motion_is_in_the_picture(void **state) {
   }
 }
 
+/* Nothing is coloured then: no bar of colours, and no range to be given. */
+static void a_liquid_by_itself_has_the_plain_colour(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const colour[] = {"auto", "none"};
+  picture p[2];
+  for (int k = 0; k < 2; k++) {
+    char text[1024], path[512];
+    snprintf(text, sizeof text,
+             "local scene = hooke.scene { duration = 1, fps = 1, integrator = 'leapfrog', dt = 0.1 }\n"
+             "scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 }, mass = 1 }\n"
+             "scene:output('frames', { width = 160, height = 90, video = false, surface = 0.1, color = '%s' })\n"
+             "return scene\n",
+             colour[k]);
+    test_write("alone.lua", text);
+    test_hooke(&r, NULL, "run alone.lua --quiet --trust");
+    if (r.code != 0) fail_msg("%s", r.err);
+    snprintf(path, sizeof path, "%s/out/alone/frames/000001.png", test_folder());
+    p[k] = read_picture(path);
+  }
+  assert_memory_equal(p[0].rgb, p[1].rgb, 3 * 160 * 90);
+  free(p[0].rgb), free(p[1].rgb);
+}
+
 static void refused(const char *options, const char *text) {
   static test_result r;
   write_scene(options);
@@ -115,6 +139,7 @@ static void what_cannot_be_drawn_is_said(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_drop_is_a_disc_where_it_is),
                                      cmocka_unit_test(without_a_camera_the_whole_motion_is_in_the_picture),
+                                     cmocka_unit_test(a_liquid_by_itself_has_the_plain_colour),
                                      cmocka_unit_test(what_cannot_be_drawn_is_said)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
