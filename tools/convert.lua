@@ -15,7 +15,7 @@ local function parser()
   p:option("--from-frame", "the first, counted from 1"):convert(command_line.whole("--from-frame")):default(1)
   p:option("--to-frame", "the last"):convert(command_line.whole("--to-frame"))
   p:option("--ids", "csv: ids of the particles, 1,2,5 (all)")
-  p:option("--isosurface", "ply, obj, vtk: the surface of the particles that are in no edge or triangle, in their stead;"
+  p:option("--isosurface", "the surface of the particles that are in no edge or triangle, in their stead (all but csv and pc2);"
     .. " m, their radius, half the distance of neighbours"):convert(command_line.number("--isosurface"))
   p:option("--cell", "of the surface, m: of the grid (half the radius)"):convert(command_line.positive("--cell"))
   p:option("--reach", "of the surface, m: how far a particle is felt (four radii; anisotropic: six)")
@@ -101,7 +101,9 @@ end
 
 -- The sentence for an option of a surface that does not go with the others.
 local function wrong_surface(o)
-  if o.isosurface and not is_sequence(o.to) then return "--isosurface is for --to ply, obj or vtk" end
+  if o.isosurface and (o.to == "csv" or o.to == "pc2") then
+    return "--isosurface is for --to ply, obj, vtk, vtkhdf or xdmf: a table or a point cache has no meshes that change"
+  end
   local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing or o.cut
   if not o.isosurface and (more or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
     return "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS"
@@ -119,7 +121,7 @@ end
 local function convert(c, o, base)
   if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
   if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
-  if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single) end
+  if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single, surface_of(o)) end
   return c:sequence(o.to, base, surface_of(o))
 end
 

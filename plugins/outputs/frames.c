@@ -10,18 +10,18 @@
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every, sheet, surface_smoothing;
+  int64_t width, height, every, sheet;
   hk_appearance_names names;
-  const char *unit, *folder, *video_file, *views, *surface_of;
+  const char *unit, *folder, *video_file, *views;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
       background[3], plain[3];
   hk_numbers range, keyframes, cameras;
   hk_solid_numbers solids;
   hk_frame_solid *solid;
   size_t solid_count;
-  int map, up, springs, particles, style, light, surface_field;
-  double surface_radius, surface_cell, surface_reach;
-  bool surface_cut, reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
+  int map, up, springs, particles, style, light;
+  hk_surface_wanted wanted;
+  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -115,20 +115,30 @@ static const hk_param params[] = {
     {"surface", "m",
      "draw the surface of a liquid in the stead of its particles: their radius, half the distance of neighbours; left "
      "out: there is none",
-     .number = HK_AT(frames, surface_radius), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+     .number = HK_AT(frames, wanted.radius), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_of", "", "group of the liquid's particles; left out: all that are in no edge, triangle or element",
-     .string = HK_AT(frames, surface_of)},
+     .string = HK_AT(frames, wanted.of)},
     {"surface_cell", "m", "cells of the surface's grid; left out: half the radius",
-     .number = HK_AT(frames, surface_cell), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+     .number = HK_AT(frames, wanted.cell), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_field", "",
      "of the liquid: zhu_bridson, density, or anisotropic: kernels flat along the surface, the flattest",
-     .choice = HK_AT(frames, surface_field), .choices = "zhu_bridson|density|anisotropic"},
+     .choice = HK_AT(frames, wanted.field), .choices = "zhu_bridson|density|anisotropic"},
     {"surface_reach", "m", "how far a particle is felt; left out: four radii, of anisotropic six",
-     .number = HK_AT(frames, surface_reach), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
+     .number = HK_AT(frames, wanted.reach), .limits = HK_WITHIN(1e-30, 1e30), .flags = HK_OPTIONAL},
     {"surface_smoothing", "", "rounds of smoothing of the liquid's mesh; 25 take its bumps away and leave drops",
-     .integer = HK_AT(frames, surface_smoothing), .limits = HK_WITHIN(0, 1000)},
+     .integer = HK_AT(frames, wanted.smoothing), .limits = HK_WITHIN(0, 1000)},
     {"surface_cut", "", "the liquid ends at obstacles (but meshes), without bumps of particles there",
-     .boolean = HK_AT(frames, surface_cut)},
+     .boolean = HK_AT(frames, wanted.cut)},
+    {"surface_look", "",
+     "opaque, or water: clear, it mirrors, bends and absorbs light by the laws of Fresnel, Snell, and Beer and "
+     "Lambert; the camera is outside",
+     .choice = HK_AT(frames, wanted.clear), .choices = "opaque|water"},
+    {"surface_index", "", "of refraction, of a clear surface; 1.333 is water, 1.5 glass",
+     .number = HK_AT(frames, wanted.index), .initial = {1.333}, .limits = HK_WITHIN(1, 4)},
+    {"surface_absorption", "1/m",
+     "of a clear surface, of red, green and blue light; left out: pure water at 650, 550 and 450 nm (Pope and Fry "
+     "1997), blue in metres",
+     .vector = HK_AT(frames, wanted.absorption), .initial = {0.34, 0.0565, 0.00922}, .limits = HK_WITHIN(0, 1e9)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -207,6 +217,8 @@ static void plan_light(frames *f) {
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;
   setup->streak = f->streak;
+  setup->water = (hk_water_optics){.clear = f->wanted.clear, .index = (float)f->wanted.index};
+  for (int c = 0; c < 3; c++) setup->water.absorption[c] = (float)f->wanted.absorption[c];
 }
 
 static void make_plan(frames *f, double t) {
@@ -223,24 +235,18 @@ static void make_plan(frames *f, double t) {
 
 /* Without particles, which are in the liquid, where the script does not ask for them. */
 static hk_status choose_surface(frames *f, const hk_model *m) {
-  bool there = !isnan(f->surface_radius),
-       more = f->surface_of || f->surface_field || f->surface_smoothing || f->surface_cut;
-  more = more || !isnan(f->surface_cell) || !isnan(f->surface_reach);
-  if (!there && more)
-    return f->host->fail(f->host, HK_BAD_PARAM,
-                         "surface: it is required beside surface_of and surface_field, _smoothing, _cut, _cell and "
-                         "_reach: the radius of the "
-                         "liquid's particles, m");
-  if (!there) return HK_OK;
-  f->surface.options = (hk_particle_surface_options){.kind = (hk_particle_field_kind)f->surface_field,
-                                                     .smoothing = (unsigned)f->surface_smoothing,
-                                                     .radius = f->surface_radius,
-                                                     .cell = isnan(f->surface_cell) ? 0 : f->surface_cell,
-                                                     .reach = isnan(f->surface_reach) ? 0 : f->surface_reach};
-  f->surface.walls = f->surface_cut && f->all ? f->all->shown : NULL;
-  f->film.liquid = &f->surface.solid;
+  hk_status status = hk_view_surface_choose(&f->surface, f->host, m, &f->wanted);
+  if (status != HK_OK || isnan(f->wanted.radius)) return status;
+  f->surface.walls = f->wanted.cut && f->all ? f->all->shown : NULL;
+  f->film.liquid = &f->surface.solid, f->film.liquid_radius = f->wanted.radius;
   if (f->particles == 0) f->film.appearance.particles = 2; /* none */
-  return hk_view_surface_choose(&f->surface, f->host, m, f->surface_of);
+  return HK_OK;
+}
+
+/* Whether the surface of the liquid is all there is: no particle has a colour then. */
+static bool is_all_liquid(const frames *f, const hk_model *m) {
+  return !isnan(f->wanted.radius) && !f->wanted.of && f->particles == 0 && m->edges.count == 0 &&
+         m->triangles.count == 0 && m->element_lists == 0;
 }
 
 static hk_status choose_look(frames *f, const hk_model *m) {
@@ -249,6 +255,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   appearance->streak = f->streak, appearance->y_up = f->up == Y_UP;
   hk_appearance_names names = f->names;
   bool one_size = !isnan(f->radius);
+  if (strcmp(names.color, "auto") == 0 && is_all_liquid(f, m)) names.color = "none";
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
   if (!isnan(f->tube) && names.tubes)
     return f->host->fail(f->host, HK_BAD_PARAM, "tube: tubes has the radii; leave one of the two out");
@@ -345,6 +352,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (now->index % (size_t)f->every != 0) return HK_OK;
   place_camera(f, view->t);
   hk_status status = f->film.liquid ? hk_view_surface_take(&f->surface, view, f->up == Y_UP) : HK_OK;
+  f->film.liquid_normal = f->surface.smooth && f->surface.surface.normal ? f->surface.surface.normal[0] : NULL;
   if (status == HK_OK) status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;

@@ -53,6 +53,7 @@ static const char *options_of(const char *scene) {
       {"materials", "N=7 --trust"},
       {"metaballs", "pairs=1 size=0.1"},
       {"peirce", "N=10"},
+      {"pour", "size=0.02"},
       {"rotating_sphere", "N=21"},
       {"sand", "n=100"},
       {"stack", "sheets=4"},

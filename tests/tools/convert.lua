@@ -137,6 +137,22 @@ for k = 0, count - 1 do
   ids[id] = true
 end
 
+-- ---- VTKHDF: a recording whose particles are the surface's vertices, for pages and for what reads recordings ----
+
+must("convert out --to vtkhdf --isosurface 0.1 --cell 0.02 --out surface")
+must("convert surface.h5 --to obj --out again")
+for frame, place in ipairs { 0, 0.2 } do -- of the drop that flies; another mesh at each frame
+  local name = ("%06d.obj"):format(frame - 1)
+  local volume, broken = volume_near(read_obj(at("again/" .. name)), place)
+  assert(broken == 0 and math.abs(volume / ball - 1) < 0.03, ("%s: volume %g of %g"):format(name, volume, ball))
+  assert(files.read(at("again/" .. name)) == files.read(at("obj_tetrahedra/" .. name)), name .. " is that of a direct way")
+end
+must("view surface.h5 --page page.html --quiet")
+assert(files.read(at("page.html")):find("</html>", 1, true))
+must("convert out --to vtk --isosurface 0.1 --cell 0.02 --out vtk")
+local vtk = files.read(at("vtk/000001.vtk"))
+assert(tonumber(vtk:match("POINTS (%d+) double")) == #read_obj(at("obj_tetrahedra/000001.obj")).x)
+
 -- ---- a cloud that is no liquid, and wrong options ----
 
 local function refused(words, said)
@@ -145,7 +161,8 @@ local function refused(words, said)
 end
 
 refused("--to obj --isosurface 0.1 --field density", "--isosurface: isosurface: no surface in the box")
-refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj or vtk")
+refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj, vtk, vtkhdf or xdmf")
+refused("--to pc2 --isosurface 0.1", "a table or a point cache has no meshes that change")
 refused("--to obj --cell 0.1", "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
 refused("--to obj --isosurface 0.1 --threshold 0.5", "--threshold is for --field density or anisotropic")
 refused("--to obj --isosurface 0.1 --field density --threshold 1", "a threshold of 1: ")

@@ -125,14 +125,41 @@ static bool read_surface(lua_State *L, int table, hk_particle_surface_options *o
   return true;
 }
 
-/* The frame that was read, with the surface of its loose particles in their stead. */
-static bool make_surface(conversion *c, const hk_host *host, hk_tool_host *holder, hk_surface_frame *frame,
-                         const hk_particle_surface_options *o, bool cut) {
+typedef struct surfaces { /* a zeroed one makes none */
+  hk_tool_host holder;
+  const hk_host *host;
+  hk_particle_surface_options options;
+  bool cut; /* by the obstacles of the frame */
+  hk_surface_frame frame;
+} surfaces;
+
+/* By the table at this place of the stack, if there is one. */
+static bool surfaces_open(surfaces *s, lua_State *L, int table, conversion *c) {
+  *s = (surfaces){.holder = {.plugin = {.kind = HK_SERVICE}}};
+  if (!read_surface(L, table, &s->options)) return true;
+  lua_getfield(L, table, "cut");
+  s->cut = lua_toboolean(L, -1);
+  lua_pop(L, 1);
+  s->host = hk_tool_host_open(&s->holder, "--isosurface");
+  if (!s->host) snprintf(c->why, sizeof c->why, "no memory, or no threads");
+  return s->host != NULL;
+}
+
+static void surfaces_close(surfaces *s) {
+  if (s->host) hk_surface_frame_free(&s->frame, s->host);
+  hk_tool_host_close(&s->holder);
+}
+
+/* The frame that was read, with the surface of its loose particles in their stead where that is asked for; NULL: it
+ * cannot be made. */
+static const hk_frame_data *shown(conversion *c, surfaces *s) {
+  if (!s->host) return &c->gatherer.data;
   hk_recorded_solids *solids = &c->recording->solids;
   hk_solid_list walls = {solids->count, solids->solid};
-  if (hk_surface_frame_make(frame, host, &c->gatherer.data, o, cut ? &walls : NULL) == HK_OK) return true;
-  snprintf(c->why, sizeof c->why, "at t = %g s: %.400s", c->gatherer.data.t, holder->error.text);
-  return false;
+  if (hk_surface_frame_make(&s->frame, s->host, &c->gatherer.data, &s->options, s->cut ? &walls : NULL) == HK_OK)
+    return &s->frame.data;
+  snprintf(c->why, sizeof c->why, "at t = %g s: %.400s", c->gatherer.data.t, s->holder.error.text);
+  return NULL;
 }
 
 /* c:sequence(format, folder, surface): files 000000.FORMAT and so on, with a table `surface` those of frames in which
@@ -143,23 +170,18 @@ static int sequence(lua_State *L) {
   conversion *c = at(L);
   const hk_sequence_format *format = formats[luaL_checkoption(L, 2, NULL, names)];
   const char *folder = luaL_checkstring(L, 3);
-  hk_particle_surface_options options;
-  hk_tool_host holder = {.plugin = {.kind = HK_SERVICE}};
-  hk_surface_frame surface = {.data = {0}};
-  const hk_host *host = read_surface(L, 4, &options) ? hk_tool_host_open(&holder, "--isosurface") : NULL;
+  surfaces surface;
   lua_Integer written = 0;
-  bool cut = host && lua_getfield(L, 4, "cut") == LUA_TBOOLEAN && lua_toboolean(L, -1);
-  bool fine = host || !lua_istable(L, 4);
-  if (!fine) snprintf(c->why, sizeof c->why, "no memory, or no threads");
+  bool fine = surfaces_open(&surface, L, 4, c);
   for (size_t k = c->from; k <= c->to && fine; k += c->every) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
-    fine = shoot(c, k) && (!host || make_surface(c, host, &holder, &surface, &options, cut));
-    const hk_frame_data *data = host ? &surface.data : &c->gatherer.data;
+    const hk_frame_data *data = shoot(c, k) ? shown(c, &surface) : NULL;
+    fine = data != NULL;
     if (fine && !hk_sequence_write(format, data, path, why, sizeof why)) fine = cannot_write(c, path, why);
     written += fine;
   }
-  hk_tool_host_close(&holder);
+  surfaces_close(&surface);
   return answer(L, c, fine, written);
 }
 
@@ -255,33 +277,46 @@ static hk_frame frame_of(const hk_recording *r, size_t k, const char **names, do
   return f;
 }
 
-/* c:recording(h5, xdmf, single) -> number of frames; or nil, reason */
-static int record(lua_State *L) {
-  conversion *c = at(L);
+/* Writes the frames; `read` false: one of them could not be read, or have its surface made. Returns how many. */
+static lua_Integer record_frames(lua_State *L, conversion *c, surfaces *surface, const char *h5, const char *xdmf,
+                                 bool *fine, bool *read) {
   const hk_recording *r = c->recording;
-  const char *h5 = luaL_checkstring(L, 2), *xdmf = luaL_checkstring(L, 3);
   const char **names = lua_newuserdatauv(L, (r->series + 1) * sizeof *names, 0);
   double *values = lua_newuserdatauv(L, (r->series + 1) * sizeof *values, 0);
   char why[256] = "";
   hk_recorder_setup setup = {.single = lua_toboolean(L, 4), .level = 1, .every = c->every * (size_t)r->every};
-  if (!shoot(c, c->from)) return answer(L, c, false, 0);
-  hk_frame frame = frame_of(r, c->from, names, values);
-  hk_recorder *recorder = hk_recorder_open(h5, xdmf, &setup, &c->gatherer.data, &frame, why, sizeof why);
+  hk_recorder *recorder = NULL;
   lua_Integer written = 0;
   int64_t part = -1;
-  bool fine = recorder != NULL, read = true;
-  for (size_t k = c->from; k <= c->to && fine && read; k += c->every, written += fine && read) {
-    read = shoot(c, k);
-    frame = frame_of(r, k, names, values);
-    if (read) fine = hk_recorder_add(recorder, &c->gatherer.data, r->frame[k].part != part, &frame, why, sizeof why);
+  bool begun = false;
+  for (size_t k = c->from; k <= c->to && *fine && *read; k += c->every, written += *fine && *read) {
+    const hk_frame_data *data = shoot(c, k) ? shown(c, surface) : NULL;
+    *read = data != NULL;
+    hk_frame frame = frame_of(r, k, names, values);
+    if (*read && !begun) recorder = hk_recorder_open(h5, xdmf, &setup, data, &frame, why, sizeof why);
+    bool changed = surface->host || r->frame[k].part != part;
+    if (*read) *fine = recorder && hk_recorder_add(recorder, data, changed, &frame, why, sizeof why);
+    begun = begun || *read;
     part = r->frame[k].part;
   }
-  if (recorder && !hk_recorder_close(recorder, fine && read ? r->verdict : NULL, why, sizeof why)) fine = false;
-  if (!fine) cannot_write(c, h5, why);
-  if (!fine || !read) { /* a part of the motion is none */
+  if (recorder && !hk_recorder_close(recorder, *fine && *read ? r->verdict : NULL, why, sizeof why)) *fine = false;
+  if (!*fine) cannot_write(c, h5, why);
+  if (begun && !(*fine && *read)) { /* a part of the motion is none */
     unlink(h5);
     unlink(xdmf);
   }
+  return written;
+}
+
+/* c:recording(h5, xdmf, single, surface): with a table `surface` as sequence -> number of frames; or nil, reason */
+static int record(lua_State *L) {
+  conversion *c = at(L);
+  const char *h5 = luaL_checkstring(L, 2), *xdmf = luaL_checkstring(L, 3);
+  surfaces surface;
+  if (!surfaces_open(&surface, L, 5, c)) return answer(L, c, false, 0);
+  bool fine = true, read = true;
+  lua_Integer written = record_frames(L, c, &surface, h5, xdmf, &fine, &read);
+  surfaces_close(&surface);
   return answer(L, c, fine && read, written);
 }
 

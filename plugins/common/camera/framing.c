@@ -195,11 +195,12 @@ static void drop_wild(hk_frame_spool *spool, double limit) {
   s->count = kept;
 }
 
-/* Enlarges the box by the solids, as far as they do not make the particles less than half as large, and notes what of
- * it they are. */
+/* Enlarges the box by the solids but for a liquid, which is where its particles are, as far as they do not make the
+ * particles less than half as large, and notes what of it they are. */
 static void add_solids(survey *v, hk_view_setup *setup, const hk_snapshot3d *snapshot) {
   for (int c = 0; c < 3; c++) v->solid_low[c] = INFINITY, v->solid_high[c] = -INFINITY;
-  for (size_t k = 0; k < snapshot->solids; k++) hk_solid_box(snapshot->solid + k, v->solid_low, v->solid_high);
+  for (size_t k = 0; k + snapshot->liquid < snapshot->solids; k++)
+    hk_solid_box(snapshot->solid + k, v->solid_low, v->solid_high);
   double spare = distance_between(setup->low, setup->high) / 2;
   if (!(v->solid_low[0] <= v->solid_high[0])) return;
   for (int c = 0; c < 3; c++) {

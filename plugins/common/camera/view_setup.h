@@ -3,6 +3,7 @@
 #define HK_VIEW_SETUP_H
 
 #include "plugins/common/camera/camera.h"
+#include "plugins/common/camera/water_optics.h"
 #include "plugins/common/sprites/sprite.h"
 
 #include <stdbool.h>
@@ -21,6 +22,7 @@ typedef struct hk_view_setup {
   double thickness;          /* m, of surfaces of particles */
   float background[3];       /* 0..1, colour of its middle */
   hk_sprite_shading sprites; /* without the light */
+  hk_water_optics water;
 } hk_view_setup;
 
 /* On a dark background, lines and text are light. */

@@ -28,7 +28,7 @@ static hk_status make_solids(hk_film *f) {
   f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
   if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
   if (f->solids) memcpy(f->snapshot.solid, f->solid, f->solids * sizeof *f->solid);
-  f->snapshot.solids = count;
+  f->snapshot.solids = count, f->snapshot.liquid = f->liquid != NULL;
   return HK_OK;
 }
 
@@ -90,13 +90,8 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   if (status != HK_OK) return status;
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
   f->waiting = has_to_wait(f);
-  if (f->waiting && f->liquid)
-    return host->fail(
-        host, HK_BAD_PARAM,
-        "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion: give "
-        "from, look_at, ground_height (or ground = false) and range (or color = \"none\"), and leave out "
-        "sheet, follow, views and size = \"mass\"");
   if (f->liquid) plain_colour(f, f->liquid->colour);
+  if (f->liquid && f->waiting && isnan(f->framing.radius)) f->framing.radius = f->liquid_radius;
   snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->files.folder);
   return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
 }
@@ -188,7 +183,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   hk_particle_colours_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
-  if (f->liquid) f->snapshot.solid[liquid] = *f->liquid;
+  if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;
   if (f->skins) hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + liquid - f->skins, f->skins);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
@@ -231,6 +226,7 @@ static hk_status finish_sheet(hk_film *f) {
     hk_view_setup setup = f->setup;
     unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
     nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = 0;
+    nothing.liquid = false;
     setup.floor = setup.shadows = f->painter.kept = false;
     hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);
     if (status == HK_OK) status = hk_painter_read(&f->painter, &setup, picture);

@@ -24,10 +24,10 @@ typedef struct hk_film {
   bool reverse;
   const char *label, *unit; /* of the legend; unit NULL: as the label has it */
   size_t solids;
-  const hk_frame_solid *solid; /* valid until hk_film_open returns; in coordinates with z up */
-  /* The surface of a liquid, a mesh that may be another one at each picture; NULL: none. Nothing may be chosen by the
-   * whole motion then, since meshes are not stored. */
-  hk_frame_solid *liquid;
+  const hk_frame_solid *solid;      /* valid until hk_film_open returns; in coordinates with z up */
+  hk_frame_solid *liquid;           /* its surface, a mesh that may be another one at each picture; NULL: none */
+  const double *liquid_normal;      /* as hk_snapshot3d.normal; may be others at each picture */
+  double liquid_radius;             /* m, of its particles */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   size_t skins;                     /* surfaces of rigid bodies, drawn likewise */
   hk_appearance appearance;

@@ -45,6 +45,8 @@ void hk_canvas_use(const hk_canvas *c) {
   glViewport(0, 0, c->width, c->height);
 }
 
+unsigned hk_canvas_target(const hk_canvas *c) { return c->target[DRAWN]; }
+
 static void copy_part(const hk_canvas *c, int from, int to, GLbitfield what, int x, int y, int width, int height) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[from]);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, c->target[to]);

@@ -13,8 +13,9 @@ typedef struct hk_canvas {
 /* False when the driver has no memory for this size; the canvas can then only be closed. */
 bool hk_canvas_open(hk_canvas *, int width, int height);
 void hk_canvas_close(hk_canvas *);
-void hk_canvas_use(const hk_canvas *);  /* directs drawing to the canvas */
-void hk_canvas_keep(const hk_canvas *); /* stores the present picture, colour and depth ... */
+void hk_canvas_use(const hk_canvas *);        /* directs drawing to the canvas */
+unsigned hk_canvas_target(const hk_canvas *); /* the frame buffer that is drawn on */
+void hk_canvas_keep(const hk_canvas *);       /* stores the present picture, colour and depth ... */
 /* ... and restores it in the rectangle whose lower left pixel is (x, y). */
 void hk_canvas_restore(const hk_canvas *, int x, int y, int width, int height);
 /* Reads this rectangle into its place in a whole picture: 4 bytes a pixel (red, green, blue, 255), the bottom row

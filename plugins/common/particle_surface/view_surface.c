@@ -7,12 +7,26 @@
 
 #include <string.h>
 
-hk_status hk_view_surface_choose(hk_view_surface *s, const hk_host *host, const hk_model *m, const char *group) {
+hk_status hk_view_surface_choose(hk_view_surface *s, const hk_host *host, const hk_model *m,
+                                 const hk_surface_wanted *wanted) {
+  if (isnan(wanted->radius)) {
+    bool more = wanted->of || wanted->clear || wanted->field || wanted->smoothing || wanted->cut;
+    if (!more && isnan(wanted->cell) && isnan(wanted->reach)) return HK_OK;
+    return host->fail(host, HK_BAD_PARAM,
+                      "surface: it is required beside surface_of, surface_look, surface_field, surface_smoothing, "
+                      "surface_cut, surface_cell and surface_reach: the radius of the liquid's particles, m");
+  }
+  s->options = (hk_particle_surface_options){.kind = (hk_particle_field_kind)wanted->field,
+                                             .smoothing = (unsigned)wanted->smoothing,
+                                             .radius = wanted->radius,
+                                             .cell = isnan(wanted->cell) ? 0 : wanted->cell,
+                                             .reach = isnan(wanted->reach) ? 0 : wanted->reach};
+  s->smooth = wanted->clear;
   s->group = UINT32_MAX;
-  for (size_t g = 0; group && g < m->groups; g++)
-    if (strcmp(m->group_name[g], group) == 0) s->group = (uint32_t)g;
-  if (!group || s->group != UINT32_MAX) return HK_OK;
-  return host->fail(host, HK_BAD_PARAM, "surface_of: there is no group '%s'", group);
+  for (size_t g = 0; wanted->of && g < m->groups; g++)
+    if (strcmp(m->group_name[g], wanted->of) == 0) s->group = (uint32_t)g;
+  if (!wanted->of || s->group != UINT32_MAX) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM, "surface_of: there is no group '%s'", wanted->of);
 }
 
 static void bind(hk_view_surface *s, const hk_tuples *list) {
@@ -60,7 +74,7 @@ hk_status hk_view_surface_take(hk_view_surface *s, const hk_view *view, bool y_u
   hk_particle_walls walls = {hk_solids_distance, &solids};
   if (s->walls) hk_obstacle_solids(s->walls, false, solid);
   hk_particle_surface_options options = s->options;
-  options.without_normals = true;
+  options.without_normals = !s->smooth;
   options.may_be_empty = true; /* a liquid whose drops are too small for its field, for a while */
   options.walls = solids.count > 0 ? &walls : NULL;
   status = hk_particle_surface_find(&s->surface, view->host, (const double(*)[3])s->x, n, &options);

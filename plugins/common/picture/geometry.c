@@ -125,9 +125,14 @@ static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_
                             colour);
 }
 
+/* A clear liquid is the last of them, and not one of these. */
+static size_t opaque_solids(const hk_view_setup *setup, const hk_snapshot3d *s) {
+  return s->solids - (s->liquid && setup->water.clear);
+}
+
 static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
   hk_status status = HK_OK;
-  for (size_t k = 0; k < s->solids && status == HK_OK; k++)
+  for (size_t k = 0; k < opaque_solids(setup, s) && status == HK_OK; k++)
     if (planes == (s->solid[k].kind == HK_SHAPE_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
   return status;
 }
@@ -198,6 +203,9 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   if (status == HK_OK) status = add_solids(p, setup, s, false);
   p->opaque = p->triangles;
   if (status == HK_OK) status = add_solids(p, setup, s, true);
+  p->planes = p->triangles;
+  if (status == HK_OK && opaque_solids(setup, s) < s->solids)
+    status = hk_solid_add_liquid(p, s->solid + s->solids - 1, s->normal, s->origin);
   if (status != HK_OK) return status;
   add_tubes(p, setup, s, colour, &here);
   add_rim(p, setup, s, colour, &here);

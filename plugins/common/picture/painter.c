@@ -104,6 +104,7 @@ void hk_painter_close(hk_painter *p) {
   glDeleteBuffers(4, (GLuint[]){p->mesh_buffer, p->index_buffer, p->tube_buffer, p->corner_buffer});
   glDeleteTextures(2, (GLuint[]){p->shadow, p->heights});
   hk_border_free(&p->border, p->host);
+  hk_water_close(&p->water);
   hk_corner_normals_free(&p->normals, p->host);
   hk_canvas_close(&p->canvas);
   hk_sprites_close(&p->sprites);

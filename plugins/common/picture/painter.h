@@ -9,6 +9,7 @@
 #include "plugins/common/normals/corner_normals.h"
 #include "plugins/common/camera/view_setup.h"
 #include "plugins/common/picture/patch.h"
+#include "plugins/common/picture/water.h"
 #include "plugins/common/snapshot/border.h"
 #include "plugins/common/sprites/sprites.h"
 
@@ -50,9 +51,10 @@ typedef struct hk_painter {
   hk_point_sprite *point;
   uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, points;
-  /* The triangles are those of cloth, of bodies, of closed solids, and of planes, which have no end and cast no shadow:
-   * where each but the last end. */
-  size_t cloth, bodies, opaque;
+  /* The triangles are those of cloth, of bodies, of closed solids, of planes, which have no end and cast no shadow, and
+   * of a clear liquid: where each but the last end. */
+  size_t cloth, bodies, opaque, planes;
+  hk_water water;
   hk_border border;
   hk_corner_normals normals;
   float (*corner)[3]; /* 3 a face: normals */

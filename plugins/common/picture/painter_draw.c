@@ -1,6 +1,7 @@
 /* The passes of a picture: backdrop, floor with the shadow, cloth, springs; over what is read of it, particles. */
 #include "plugins/common/picture/geometry.h"
 #include "plugins/common/gl/gl.h"
+#include "plugins/common/picture/painted.h"
 #include "plugins/common/picture/shadow.h"
 
 #include <string.h>
@@ -123,7 +124,7 @@ static void draw_mesh(const hk_painter *p, const scene *s) {
   glUniform1f(uniform(p, HK_MESH, "solid"), 1);
   draw_triangles(p, p->cloth, p->bodies, BOTH_SIDES, 0);
   draw_triangles(p, p->bodies, p->opaque, GL_BACK, 0);
-  draw_triangles(p, p->opaque, p->triangles, BOTH_SIDES, 0);
+  draw_triangles(p, p->opaque, p->planes, BOTH_SIDES, 0);
 }
 
 static void draw_tubes(const hk_painter *p, const scene *s) {
@@ -137,6 +138,20 @@ static void draw_tubes(const hk_painter *p, const scene *s) {
   set_shadows(p, HK_TUBE, s);
   glBindVertexArray(p->tube_array);
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, HK_TUBE_CORNERS, (GLsizei)p->tubes);
+}
+
+static void draw_liquid_triangles(const void *painter) {
+  const hk_painter *p = painter;
+  glBindVertexArray(p->mesh_array);
+  glDrawElements(GL_TRIANGLES, (GLsizei)(3 * (p->triangles - p->planes)), GL_UNSIGNED_INT,
+                 (const void *)(p->planes * sizeof *p->triangle));
+}
+
+static hk_status draw_liquid(hk_painter *p, const scene *s) {
+  if (p->planes == p->triangles) return HK_OK;
+  hk_water_draw d = {
+      &p->canvas, s->setup, &s->lens, s->light[1][0], s->light[1][1], p->patch[HK_THINGS], draw_liquid_triangles, p};
+  return hk_water_draw_on(&p->water, p->host, &d);
 }
 
 static void draw_backdrop(const hk_painter *p, const hk_view_setup *setup) {
@@ -240,47 +255,11 @@ static void draw_surroundings(hk_painter *p, const scene *s) {
   p->kept = p->fresh = true, p->kept_for = s->setup->camera;
 }
 
-/* A tube is raised by its radius and longer by it at both ends, and never thinner than a pixel and a half. */
-static hk_patch things_patch(const hk_painter *p, const scene *s) {
-  hk_patch_maker m;
-  float side = (float)s->setup->thickness / 2;
-  hk_patch_begin(&m, &s->lens, p->canvas.width, p->canvas.height);
-  for (size_t k = 0; k < p->triangles && !m.whole; k++)
-    for (int i = 0; i < 3; i++) hk_patch_add(&m, p->vertex[p->triangle[k][i]].x, side, 2);
-  for (size_t k = 0; k < p->tubes && !m.whole; k++) {
-    hk_patch_add(&m, p->tube[k].a, 2 * p->tube[k].radius, 3);
-    hk_patch_add(&m, p->tube[k].b, 2 * p->tube[k].radius, 3);
-  }
-  return hk_patch_end(&m);
-}
-
-/* Around the texels of the floor's shadow that are not light. */
-static hk_patch shadow_patch(const hk_painter *p, const scene *s) {
-  int low[2] = {HK_SHADOW_SIZE, HK_SHADOW_SIZE}, high[2] = {-1, -1};
-  hk_patch_maker m;
-  hk_patch_begin(&m, &s->lens, p->canvas.width, p->canvas.height);
-  for (int y = 0; y < HK_SHADOW_SIZE; y++)
-    for (int x = 0; x < HK_SHADOW_SIZE; x++) {
-      if (!p->shade[y * HK_SHADOW_SIZE + x]) continue;
-      low[0] = x < low[0] ? x : low[0], high[0] = x > high[0] ? x : high[0];
-      low[1] = y < low[1] ? y : low[1], high[1] = y;
-    }
-  for (int corner = 0; corner < 4 && high[0] >= 0; corner++) {
-    float at[3] = {0, 0, p->map.floor};
-    for (int c = 0; c < 2; c++) { /* a texel more: the filter reaches over its side */
-      int texel = corner >> c & 1 ? high[c] + 2 : low[c] - 1;
-      at[c] = p->map.corner[c] + p->map.side * (float)texel / HK_SHADOW_SIZE;
-    }
-    hk_patch_add(&m, at, 0, 2);
-  }
-  return hk_patch_end(&m);
-}
-
 static void draw_shadows(hk_painter *p, scene *s) {
   cast_shadows(p, s);
   if (!s->setup->floor) return;
   hk_shadow_shade(p, s->setup);
-  hk_patch at = p->patch[HK_SHADOWS] = shadow_patch(p, s);
+  hk_patch at = p->patch[HK_SHADOWS] = hk_shadow_patch(p, &s->lens);
   if (hk_patch_is_empty(&at)) return;
   glEnable(GL_SCISSOR_TEST);
   glScissor(at.left, at.bottom, at.width, at.height);
@@ -296,12 +275,12 @@ hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_sn
   upload(p);
   draw_surroundings(p, &s);
   memset(p->patch, 0, sizeof p->patch);
-  p->patch[HK_THINGS] = things_patch(p, &s);
+  p->patch[HK_THINGS] = hk_things_patch(p, setup, &s.lens);
   glEnable(GL_DEPTH_TEST);
   if (setup->shadows) draw_shadows(p, &s);
   draw_mesh(p, &s);
   draw_tubes(p, &s);
-  return HK_OK;
+  return draw_liquid(p, &s);
 }
 
 void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, double half_width) {

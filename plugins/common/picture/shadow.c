@@ -26,13 +26,46 @@ static void place_map(hk_height_map *m, const hk_view_setup *setup, const double
   m->high = (float)(setup->high[2] + 0.1 * setup->size + setup->point);
 }
 
+enum { CLEAR_SHADE = 70 }; /* of 255: what a clear liquid takes off the light */
+
 static bool is_opaque(const hk_view_setup *setup, const hk_point_sprite *point) {
   return setup->sprites.style == HK_STYLE_SPHERE && setup->sprites.opacity >= 1 && point->colour[3] == 255;
+}
+
+/* Darkens what lies in the shadow of the map to `dark` or more. What is below the floor casts no shadow on it. */
+static void cover(const hk_height_map *m, int dark, unsigned char *shade) {
+  double floor = (double)(m->floor - m->low) / (double)(m->high - m->low) * HK_HEIGHT_MAP_TOP;
+  uint16_t above = (uint16_t)fmin(fmax(floor, 0), HK_HEIGHT_MAP_TOP - 1);
+  for (int y = m->rows[0] / FINE; y * FINE < m->rows[1]; y++) {
+    uint16_t count[SIZE] = {0};
+    for (int k = 0; k < FINE; k++) {
+      const uint16_t *row = m->height + (size_t)(FINE * y + k) * HK_HEIGHT_MAP_SIZE;
+      for (int x = 0; x < SIZE; x++)
+        for (int l = 0; l < FINE; l++) count[x] = (uint16_t)(count[x] + (row[FINE * x + l] > above));
+    }
+    for (int x = 0; x < SIZE; x++) {
+      unsigned char here = (unsigned char)(count[x] * dark / (FINE * FINE)), *at = shade + y * SIZE + x;
+      *at = here > *at ? here : *at;
+    }
+  }
+}
+
+/* The map is scratch here. */
+static void shade_liquid(hk_painter *p) {
+  hk_height_map *m = &p->map;
+  hk_height_map_begin(m);
+  for (size_t k = p->planes; k < p->triangles; k++) {
+    const uint32_t *t = p->triangle[k];
+    hk_height_map_triangle(m, p->vertex[t[0]].x, p->vertex[t[1]].x, p->vertex[t[2]].x);
+  }
+  cover(m, CLEAR_SHADE, p->shade);
 }
 
 void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[3]) {
   hk_height_map *m = &p->map;
   place_map(m, setup, key);
+  memset(p->shade, 0, SIZE * SIZE);
+  if (p->planes < p->triangles) shade_liquid(p);
   hk_height_map_begin(m);
   for (size_t k = 0; k < p->opaque; k++) {
     const uint32_t *t = p->triangle[k];
@@ -41,22 +74,6 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
   for (size_t k = 0; k < p->tubes; k++) hk_height_map_tube(m, p->tube[k].a, p->tube[k].b, p->tube[k].radius);
   for (size_t k = 0; k < p->points; k++)
     if (is_opaque(setup, p->point + k)) hk_height_map_sphere(m, p->point[k].centre, p->point[k].radius);
-}
-
-/* What is below the floor casts no shadow on it. */
-static void cover(const hk_height_map *m, unsigned char *shade) {
-  double floor = (double)(m->floor - m->low) / (double)(m->high - m->low) * HK_HEIGHT_MAP_TOP;
-  uint16_t above = (uint16_t)fmin(fmax(floor, 0), HK_HEIGHT_MAP_TOP - 1);
-  memset(shade, 0, SIZE * SIZE);
-  for (int y = m->rows[0] / FINE; y * FINE < m->rows[1]; y++) {
-    uint16_t count[SIZE] = {0};
-    for (int k = 0; k < FINE; k++) {
-      const uint16_t *row = m->height + (size_t)(FINE * y + k) * HK_HEIGHT_MAP_SIZE;
-      for (int x = 0; x < SIZE; x++)
-        for (int l = 0; l < FINE; l++) count[x] = (uint16_t)(count[x] + (row[FINE * x + l] > above));
-    }
-    for (int x = 0; x < SIZE; x++) shade[y * SIZE + x] = (unsigned char)(count[x] * 255 / (FINE * FINE));
-  }
 }
 
 static int clamp(float at) { return at < 0 ? 0 : at > SIZE - 1 ? SIZE - 1 : (int)at; }
@@ -91,7 +108,7 @@ static void blur(const unsigned char *from, unsigned char *to) {
 }
 
 void hk_shadow_shade(hk_painter *p, const hk_view_setup *setup) {
-  cover(&p->map, p->shade);
+  cover(&p->map, 255, p->shade);
   for (size_t k = 0; k < p->points && setup->sprites.style != HK_STYLE_GLOW; k++)
     if (!is_opaque(setup, p->point + k)) darken(p->shade, &p->map, p->point + k, setup->sprites.opacity);
   for (int k = 0; k < 2 * PASSES; k++) blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));

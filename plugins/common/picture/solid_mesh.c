@@ -141,6 +141,19 @@ static hk_status add_surface(const maker *m) {
   return status;
 }
 
+hk_status hk_solid_add_liquid(hk_painter *p, const hk_frame_solid *solid, const double *normal,
+                              const double origin[3]) {
+  static const hk_view_setup day = {.background = {1, 1, 1}};
+  maker m = make_maker(p, &day, solid, origin);
+  if (!normal) return add_surface(&m);
+  uint32_t first = (uint32_t)p->vertices;
+  for (size_t i = 0; i < solid->vertices; i++) add_vertex(&m, solid->vertex + 3 * i, normal + 3 * i);
+  for (size_t k = 0; k < 3 * solid->faces; k++)
+    p->triangle[p->triangles + k / 3][k % 3] = first + solid->face[k / 3][k % 3];
+  p->triangles += solid->faces;
+  return HK_OK;
+}
+
 static void add_cylinder(const maker *m) {
   for (int part = -1; part <= 1; part++) { /* bottom, side, top */
     for (int i = 0; i <= 1; i++)

@@ -71,6 +71,46 @@ static bool get_extras(const hk_frame_spool *s, int64_t *at, size_t n, hk_snapsh
   return ok;
 }
 
+/* The mesh of the liquid follows the solids, whose last says how large it is. */
+static bool append_liquid(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
+  if (!snapshot->liquid) return true;
+  const hk_frame_solid *mesh = snapshot->solid + snapshot->solids - 1;
+  size_t bytes = 3 * mesh->vertices * sizeof(double);
+  return append_bytes(s, mesh->vertex, bytes) && append_bytes(s, snapshot->normal, snapshot->normal ? bytes : 0) &&
+         append_bytes(s, mesh->face, mesh->faces * sizeof *mesh->face);
+}
+
+static hk_status reserve_liquid(hk_snapshot3d *s, size_t vertices, size_t faces) {
+  const hk_host *host = s->host;
+  if (vertices >= s->mesh_room) {
+    s->mesh_room = vertices + vertices / 2 + 1;
+    host->release(host, s->mesh);
+    s->mesh = host->allocate(host, 6 * s->mesh_room * sizeof *s->mesh);
+  }
+  if (faces >= s->face_room) {
+    s->face_room = faces + faces / 2 + 1;
+    host->release(host, s->mesh_face);
+    s->mesh_face = host->allocate(host, s->face_room * sizeof *s->mesh_face);
+  }
+  if (s->mesh && s->mesh_face) return HK_OK;
+  s->mesh_room = s->face_room = 0;
+  return host->fail(host, HK_NO_MEMORY, "no memory for a liquid's surface of %zu vertices", vertices);
+}
+
+static hk_status get_liquid(const hk_frame_spool *s, int64_t *at, bool normals, hk_snapshot3d *snapshot) {
+  if (!snapshot->liquid) return HK_OK;
+  hk_frame_solid *mesh = snapshot->solid + snapshot->solids - 1;
+  size_t vertices = mesh->vertices, bytes = 3 * vertices * sizeof(double);
+  hk_status status = reserve_liquid(snapshot, vertices, mesh->faces);
+  if (status != HK_OK) return status;
+  double *normal = snapshot->mesh + 3 * vertices;
+  mesh->vertex = snapshot->mesh, mesh->face = (const uint32_t(*)[3])snapshot->mesh_face;
+  snapshot->normal = normals ? normal : NULL;
+  bool ok = get(s, at, snapshot->mesh, bytes) && get(s, at, normal, normals ? bytes : 0) &&
+            get(s, at, snapshot->mesh_face, mesh->faces * sizeof *mesh->face);
+  return ok ? HK_OK : io_error(s, "read");
+}
+
 static hk_status make_room(hk_frame_spool *s) {
   if (s->count < s->room) return HK_OK;
   size_t room = 2 * s->room + 64;
@@ -92,6 +132,7 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
                               .triangles = snapshot->triangles,
                               .cloth = snapshot->cloth,
                               .lines = snapshot->lines,
+                              .normals = snapshot->normal != NULL,
                               .reach = snapshot->reach,
                               .topology = snapshot->topology};
   memcpy(e->eye, snapshot->eye, sizeof e->eye);
@@ -105,7 +146,8 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
   e->at = s->end;
   ok = ok && append_bytes(s, snapshot->x, snapshot->n * sizeof *snapshot->x) &&
        append_bytes(s, snapshot->colour, snapshot->n * sizeof *snapshot->colour) &&
-       append_bytes(s, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && append_extras(s, snapshot);
+       append_bytes(s, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && append_extras(s, snapshot) &&
+       append_liquid(s, snapshot);
   if (!ok) {
     s->end = end;
     return io_error(s, "write");
@@ -130,6 +172,8 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
        get(s, &at, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && get_extras(s, &at, e->n, snapshot);
   snapshot->stale = !ok;
   if (!ok) return io_error(s, "read");
+  status = get_liquid(s, &at, e->normals, snapshot);
+  if (status != HK_OK) return status;
   snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->cloth = e->cloth, snapshot->lines = e->lines;
   snapshot->topology = e->topology;
   memcpy(snapshot->eye, e->eye, sizeof e->eye);

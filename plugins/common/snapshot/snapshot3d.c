@@ -57,8 +57,8 @@ hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, si
 
 void hk_snapshot3d_free(hk_snapshot3d *s) {
   if (!s->host) return;
-  void *all[] = {s->x,    s->colour,   s->mark,     s->role,     s->strain,  s->triangle,
-                 s->line, s->extra[0], s->extra[1], s->extra[2], s->extra[3]};
+  void *all[] = {s->x,        s->colour,   s->mark,     s->role,     s->strain, s->triangle, s->line,
+                 s->extra[0], s->extra[1], s->extra[2], s->extra[3], s->mesh,   s->mesh_face};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) s->host->release(s->host, all[k]);
   *s = (hk_snapshot3d){0};
 }

@@ -32,6 +32,12 @@ typedef struct hk_snapshot3d {
   float *extra[HK_EXTRAS];
   size_t solids;
   hk_frame_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */
+  bool liquid;           /* the last of them is a mesh that is another one at each picture */
+  const double
+      *normal;  /* of its vertices, x 3, outwards, of length 1, in its own axes, the caller's; NULL: not known */
+  double *mesh; /* memory for those that are read: places, then normals */
+  uint32_t (*mesh_face)[3];
+  size_t mesh_room, face_room;
   size_t triangles, lines;
   size_t cloth; /* the first triangles: the others are of bodies, surfaces that are pinned as a whole */
   uint32_t (*triangle)[3];

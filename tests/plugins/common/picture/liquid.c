@@ -104,6 +104,69 @@ static void a_surface_is_cut_by_obstacles(void **state) {
   free(p.rgb);
 }
 
+/* The least and largest x and y of the red pixels. */
+static void find_bounds(const picture *p, int bounds[4]) {
+  bounds[0] = bounds[2] = 999, bounds[1] = bounds[3] = -1;
+  for (int y = 0; y < p->height; y++)
+    for (int x = 0; x < p->width; x++)
+      for (int k = 0; k < 2 && is_red(p, x, y); k++) {
+        int at = k ? y : x;
+        bounds[2 * k] = at < bounds[2 * k] ? at : bounds[2 * k];
+        bounds[2 * k + 1] = at > bounds[2 * k + 1] ? at : bounds[2 * k + 1];
+      }
+}
+
+/* Two drops, of which one moves: a camera for the whole motion has all of it, however the drops look, and the second
+ * picture has their second places. The plane of the picture is not known, but the still one is the same on both. */
+static void without_a_camera_the_whole_motion_is_in_the_picture(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const look[] = {"opaque", "water"};
+  for (int k = 0; k < 2; k++) {
+    char options[256];
+    int bounds[2][4];
+    snprintf(options, sizeof options, "surface = 0.1, sheet = 2, surface_look = '%s'", look[k]);
+    write_scene(options);
+    test_hooke(&r, NULL, "run liquid.lua --quiet --trust");
+    if (r.code != 0) fail_msg("%s", r.err);
+    for (int frame = 0; frame < 2; frame++) {
+      char path[512];
+      snprintf(path, sizeof path, "%s/out/liquid/frames/%06d.png", test_folder(), frame);
+      picture p = read_picture(path);
+      find_bounds(&p, bounds[frame]);
+      free(p.rgb);
+    }
+    if (k == 1) continue; /* clear ones are not red; what is drawn of them is tested with water.c */
+    assert_true(bounds[0][0] > 0 && bounds[1][1] < 159 && bounds[1][2] > 0 && bounds[1][3] < 89);
+    assert_true(bounds[1][1] - bounds[0][1] > 20); /* the drop has flown to the right */
+    assert_int_equal(bounds[0][0], bounds[1][0]);
+  }
+}
+
+/* Nothing is coloured then: no bar of colours, and no range to be given. */
+static void a_liquid_by_itself_has_the_plain_colour(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const colour[] = {"auto", "none"};
+  picture p[2];
+  for (int k = 0; k < 2; k++) {
+    char text[1024], path[512];
+    snprintf(text, sizeof text,
+             "local scene = hooke.scene { duration = 1, fps = 1, integrator = 'leapfrog', dt = 0.1 }\n"
+             "scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 }, mass = 1 }\n"
+             "scene:output('frames', { width = 160, height = 90, video = false, surface = 0.1, color = '%s' })\n"
+             "return scene\n",
+             colour[k]);
+    test_write("alone.lua", text);
+    test_hooke(&r, NULL, "run alone.lua --quiet --trust");
+    if (r.code != 0) fail_msg("%s", r.err);
+    snprintf(path, sizeof path, "%s/out/alone/frames/000001.png", test_folder());
+    p[k] = read_picture(path);
+  }
+  assert_memory_equal(p[0].rgb, p[1].rgb, 3 * 160 * 90);
+  free(p[0].rgb), free(p[1].rgb);
+}
+
 static void refused(const char *options, const char *text) {
   static test_result r;
   write_scene(options);
@@ -113,19 +176,22 @@ static void refused(const char *options, const char *text) {
 
 static void what_cannot_be_drawn_is_said(void **state) {
   (void)state;
-  refused("surface = 0.1",
-          "surface: its pictures are drawn at once, so that nothing can be chosen by the whole motion");
+  refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_look = 'water'",
+          "surface: it is required beside surface_of, surface_look");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_of = 'water'",
           "surface: it is required beside surface_of");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface_field = 'density'",
-          "surface: it is required beside surface_of and surface_field");
+          "surface: it is required beside surface_of, surface_look, surface_field");
   refused("from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, surface = 0.1, surface_of = 'wine'",
           "surface_of: there is no group 'wine'");
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_drop_is_a_disc_where_it_is), cmocka_unit_test(the_field_of_a_surface_is_chosen),
-      cmocka_unit_test(a_surface_is_cut_by_obstacles), cmocka_unit_test(what_cannot_be_drawn_is_said)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_drop_is_a_disc_where_it_is),
+                                     cmocka_unit_test(the_field_of_a_surface_is_chosen),
+                                     cmocka_unit_test(a_surface_is_cut_by_obstacles),
+                                     cmocka_unit_test(without_a_camera_the_whole_motion_is_in_the_picture),
+                                     cmocka_unit_test(a_liquid_by_itself_has_the_plain_colour),
+                                     cmocka_unit_test(what_cannot_be_drawn_is_said)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
