@@ -127,13 +127,11 @@ static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   }
 }
 
-/* The rider of a contact whose point of contact is not where the rider is. */
-static const hk_rider *rolling(const hk_body_obstacles *s, const hk_body_contact *k) {
-  const hk_model *model = s->impacts.model;
-  uint32_t i = k->feature.end[0];
-  if (i != k->feature.end[1] || model->pin[i] != HK_PIN_RIDES || !(hk_obstacle_radius(k->obstacle, i) > 0)) return NULL;
-  const hk_rider *r = hk_model_rider(model, i);
-  return r && r->carriers == 4 ? r : NULL;
+/* Without friction it does not matter where it acts. */
+static const uint32_t *round_body(const hk_body_obstacles *s, const hk_body_contact *k) {
+  const double both[2] = {1, 1};
+  bool rubs = k->obstacle->friction > 0 && hk_obstacle_radius(k->obstacle, k->feature.end[0]) > 0;
+  return rubs ? hk_body_arm_carriers(s->impacts.model, k->feature.end, both, 2) : NULL;
 }
 
 static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m) {
@@ -146,7 +144,7 @@ static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m)
     for (size_t o = 0; o < s->set->count && status == HK_OK; o++) {
       hk_body_contact k = {s->set->member[o], f * s->set->count + o, s->feature[f], NULL, {.touches = false}};
       if (!s->near[k.index]) continue;
-      k.rider = rolling(s, &k);
+      k.carrier = round_body(s, &k);
       k.way = hk_feature_way_of(k.obstacle, m, &k.feature, hk_body_contact_touching(k.obstacle, m, &k.feature));
       bool edge = k.feature.end[0] != k.feature.end[1];
       if (!k.way.touches || (edge && !k.way.to.inside_of_edge && !k.way.at.inside_of_edge)) continue;
@@ -197,12 +195,13 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   hk_status status = hk_reserve(host, &s->impact, &s->impact_room, s->contacts, sizeof *s->impact);
   if (status == HK_OK) status = hk_reserve(host, &s->friction, &s->friction_room, s->contacts, sizeof *s->friction);
   if (status == HK_OK) status = hk_reserve(host, &s->touch, &s->touch_room, s->contacts, sizeof *s->touch);
+  if (status == HK_OK) status = hk_reserve(host, &s->arms, &s->arms_room, s->contacts, sizeof *s->arms);
   if (status != HK_OK) return status;
   size_t count = 0;
   for (size_t e = 0; e < s->contacts; e++) {
     const hk_body_contact *k = &s->contact[e];
     if (k->way.to.gap > hk_body_contact_touching(k->obstacle, m, &k->feature)) continue; /* it passed a corner */
-    s->touch[count] = hk_body_obstacle_impact(&s->impact[count], k, m, s->solved[k->index]);
+    s->touch[count] = hk_body_obstacle_impact(&s->impact[count], &s->arms[count], k, m, s->solved[k->index]);
     s->friction[count++] = k->obstacle->friction;
     s->solved[k->index] = true;
   }
@@ -210,6 +209,7 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   solver->impact = s->impact;
   s->impacts.frictions = s->friction;
   s->impacts.touches = s->touch;
+  s->impacts.arms = s->arms;
   return HK_OK;
 }
 

@@ -18,10 +18,6 @@ static double product(const hk_body_impacts *s, const hk_step_move *m, const dou
   return sum;
 }
 
-void hk_body_energy_begin(hk_body_impacts *s, const hk_step_move *m) {
-  if (s->keeps_energy) memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
-}
-
 bool hk_body_energy_grew(const hk_body_impacts *s, const hk_contact_solver *solver, const hk_step_move *m) {
   bool rubs = false, bounces = false;
   for (size_t e = 0; e < s->contacts && s->keeps_energy; e++) {

@@ -3,6 +3,7 @@
 #define HK_BODY_SYSTEM_H
 
 #include "core/plugin.h"
+#include "plugins/common/contact/bodies/body_arms.h"
 #include "plugins/common/contact/impulses/gauss_seidel.h"
 
 /* How the particles of an impact respond to an impulse on it. */
@@ -20,6 +21,7 @@ typedef struct hk_body_impacts {
   size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
   const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
   const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
+  hk_body_arms *arms;      /* one per impact, with carriers and radii: where friction acts; NULL: at their places */
   double t;                /* s, the end of the step */
   double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
   bool keeps_energy;       /* what is met is at rest: impacts may not add to the kinetic energy (body_energy.c) */
@@ -34,6 +36,7 @@ typedef struct hk_body_impacts {
   double (*block)[9]; /* room: U, row by row */
   double *before;     /* 6 n: speeds before impacts, and with the given restitution */
   double *column;     /* n x 3 */
+  double *start;      /* n x 3: positions before impacts */
   uint32_t *place;    /* n: of a particle in a response */
   double *matrix;     /* for Newton's iteration */
   size_t matrix_room;
@@ -52,6 +55,11 @@ static inline double hk_free_mobility(const hk_model *m, uint32_t particle) {
 static inline double hk_body_friction(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e) {
   if (e >= s->contacts) return 0;
   return s->frictions ? s->frictions[e] : solver->friction;
+}
+
+/* Of impact e; NULL: it has none. */
+static inline hk_body_arms *hk_body_arms_of(const hk_body_impacts *s, size_t e) {
+  return s->arms && e < s->contacts && hk_body_arms_any(&s->arms[e]) ? &s->arms[e] : NULL;
 }
 
 #endif
