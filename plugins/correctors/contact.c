@@ -30,6 +30,7 @@
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
 #include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/surface_arms.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
 #include "plugins/kit/vector3.h"
@@ -109,22 +110,16 @@ static double extent_of(const hk_view *view, const hk_rider *r) {
   return most;
 }
 
-static bool in_triangle(const hk_model *m, uint32_t particle) {
-  for (size_t k = 0; k < 3 * m->triangles.count; k++)
-    if (m->triangles.index[k] == particle) return true;
-  return false;
-}
-
-/* A point of a rigid body with a radius that shows: what touches is at x - R n, and impulses are at x. */
+/* A point of a flat body or a rod with a radius that shows: it has no extent to turn it about. */
 static void warn_of_balls(const contact *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
     const hk_rider *r = &m->rider[k];
-    if (!r->touches || !(s->base.params.radius > turning * extent_of(view, r)) || in_triangle(m, r->particle)) continue;
+    if (!r->touches || r->carriers == 4 || !(s->base.params.radius > turning * extent_of(view, r))) continue;
     s->base.host->warn(
         s->base.host,
-        "a ball that is one point of a rigid body is rubbed at its centre: particle %u, of the radius %g "
-        "m, so that friction does not turn it; give the body a surface of triangles, body:surface()",
+        "a round point of a flat body or a rod is rubbed at its centre: particle %u, of the radius %g m, so that "
+        "friction does not turn it about what it has no extent across; give the body a thickness",
         m->id[r->particle], s->base.params.radius);
     return;
   }
@@ -167,6 +162,8 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   s->bodies.t = view->t;
   if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
   if (first) hk_warm_start_give(&s->known, &solver, move->h);
+  if (!single) status = hk_surface_arms_find(&s->bodies, s->base.surfaces->mesh(s->base.surfaces->self), &solver, move);
+  if (status != HK_OK) return status;
   if (single)
     done = hk_gauss_seidel(&solver, move);
   else

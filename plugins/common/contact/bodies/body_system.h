@@ -30,6 +30,8 @@ typedef struct hk_body_impacts {
   hk_impact *row;   /* all of them */
   bool *takes_part; /* of each, at the present level */
   size_t rows_room, taking_room;
+  hk_body_arms *arms_found; /* surface_arms.c */
+  size_t arms_room;
   hk_body_response *response;
   size_t impacts, used, room;
   uint32_t *particle; /* room */
