@@ -7,9 +7,10 @@
 enum { ROUNDS = 12, SWEEPS = 200, GRAIN = 256 };
 
 /* Of the gap of contact, and of the largest speed: what sweeps leave. Of a step: a landing is at its end from here on,
- * and at its start before 1 less that. m, of an overlap that nothing can open: what is worth an end. */
+ * and at its start before 1 less that. m, of an overlap that nothing can open: what is worth an end. Of a speed: what
+ * is none, as of the change in a step without forces. */
 static const double left_by_sweeps = 0.05, left_of_speeds = 1e-12, at_end = 1 - 1e-9, worth_saying = 1e-6,
-                    worth_a_cut = 1e3;
+                    worth_a_cut = 1e3, rounding = 1e-9;
 
 hk_status hk_body_obstacles_open(hk_body_obstacles *s, const hk_host *host, const hk_obstacle_set *set) {
   s->set = set;
@@ -160,7 +161,7 @@ static bool first_order(const hk_obstacle_moves *m, size_t i) {
     change[c - 3 * i] = m->v[c] - m->v_from[c];
     drift[c - 3 * i] = m->v_from[c] - (m->x[c] - m->x_from[c]) / m->h + change[c - 3 * i] / 2;
   }
-  return hk_length(drift) > 0.1 * hk_length(change);
+  return hk_length(drift) > 0.1 * hk_length(change) + rounding * hk_length(m->v_from + 3 * i);
 }
 
 /* Whether the step is to end where this contact begins: it closes faster than the step changes its speed. */
