@@ -34,7 +34,7 @@ typedef struct chunk_result {
 
 typedef struct obstacle {
   hk_obstacle_params params;
-  double restitution;
+  double restitution, rolling, spinning;
   int64_t divide;
   int64_t divisions;     /* of the step that ends at `divided` */
   double divided, whole; /* s; its length */
@@ -54,6 +54,12 @@ static const hk_param params[] = {
     HK_OBSTACLE_PARAM_ROWS(obstacle),
     {"restitution", "", "e, the part of the normal speed that an impact leaves", .number = HK_AT(obstacle, restitution),
      .limits = HK_WITHIN(0, 1)},
+    {"rolling", "m",
+     "rolling friction of round rigid bodies: a moment of at most so much times the normal force is against their "
+     "rolling",
+     .number = HK_AT(obstacle, rolling), .limits = HK_WITHIN(0, 1e6)},
+    {"spinning", "m", "the same against their spinning about the normal", .number = HK_AT(obstacle, spinning),
+     .limits = HK_WITHIN(0, 1e6)},
     {"divide", "",
      "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
      "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
@@ -97,6 +103,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacle *s = self;
   s->host = host;
   s->obstacle.restitution = s->restitution;
+  s->obstacle.rolling = s->rolling;
+  s->obstacle.spinning = s->spinning;
   hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
   if (status == HK_OK) status = host->resize(host, &s->history, HK_POSES);
   if (status != HK_OK) return status;

@@ -200,3 +200,17 @@ bool hk_body_obstacle_impact(hk_impact *out, hk_body_arms *arms, const hk_body_c
   out->place.target = hk_dot(way, c.n) + (g < 0 ? (gap - g) / hk_dot(c.n, n) : 0);
   return fabs(g) <= touching;
 }
+
+void hk_body_obstacle_moments(hk_body_moments *out, const hk_body_contact *k, const hk_obstacle_moves *m) {
+  const hk_obstacle *o = k->obstacle;
+  double then[3], now[3], s = k->way.landing;
+  bool any = k->carrier && o->rolling + o->spinning > 0;
+  *out = (hk_body_moments){.carrier = any ? k->carrier : NULL, .rolling = o->rolling, .spinning = o->spinning};
+  if (!any) return;
+  hk_copy(out->rest, o->motion.end.spin);
+  hk_body_spin(k->carrier, m->x_from, m->v_from, then);
+  hk_body_spin(k->carrier, m->x, m->v, now);
+  hk_subtract(then, then, o->motion.start.spin);
+  hk_subtract(now, now, o->motion.end.spin);
+  for (int c = 0; c < 3; c++) out->way[c] = (1 - s) * m->h / 2 * ((1 - s) * then[c] + (1 + s) * now[c]);
+}

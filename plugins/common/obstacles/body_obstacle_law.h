@@ -3,6 +3,7 @@
 #define HK_BODY_OBSTACLE_LAW_H
 
 #include "plugins/common/contact/bodies/body_arms.h"
+#include "plugins/common/contact/bodies/body_moments.h"
 #include "plugins/common/contact/impulses/impact.h"
 #include "plugins/common/obstacles/body_features.h"
 
@@ -19,6 +20,8 @@ typedef struct hk_body_contact {
  * the gap neither stays closed nor closes. Returns whether its speeds obey the law even without a push on positions. */
 bool hk_body_obstacle_impact(hk_impact *, hk_body_arms *, const hk_body_contact *, const hk_obstacle_moves *,
                              bool again);
+/* Rolling and spinning friction of that contact. */
+void hk_body_obstacle_moments(hk_body_moments *, const hk_body_contact *, const hk_obstacle_moves *);
 /* m/s, of the feature at the place of `gap` against the obstacle, along n, at the part s of the step. */
 double hk_body_contact_speed(const hk_body_contact *, const hk_obstacle_moves *, const hk_feature_gap *gap,
                              const double n[3], double s);

@@ -131,7 +131,8 @@ static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 /* Without friction it does not matter where it acts. */
 static const uint32_t *round_body(const hk_body_obstacles *s, const hk_body_contact *k) {
   const double both[2] = {1, 1};
-  bool rubs = k->obstacle->friction > 0 && hk_obstacle_radius(k->obstacle, k->feature.end[0]) > 0;
+  const hk_obstacle *o = k->obstacle;
+  bool rubs = o->friction + o->rolling + o->spinning > 0 && hk_obstacle_radius(k->obstacle, k->feature.end[0]) > 0;
   return rubs ? hk_body_arm_carriers(s->impacts.model, k->feature.end, both, 2) : NULL;
 }
 
@@ -197,12 +198,16 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   if (status == HK_OK) status = hk_reserve(host, &s->friction, &s->friction_room, s->contacts, sizeof *s->friction);
   if (status == HK_OK) status = hk_reserve(host, &s->touch, &s->touch_room, s->contacts, sizeof *s->touch);
   if (status == HK_OK) status = hk_reserve(host, &s->arms, &s->arms_room, s->contacts, sizeof *s->arms);
+  if (status == HK_OK) status = hk_reserve(host, &s->moments, &s->moments_room, s->contacts, sizeof *s->moments);
   if (status != HK_OK) return status;
   size_t count = 0;
+  bool resists = false;
   for (size_t e = 0; e < s->contacts; e++) {
     const hk_body_contact *k = &s->contact[e];
     if (k->way.to.gap > hk_body_contact_touching(k->obstacle, m, &k->feature)) continue; /* it passed a corner */
     s->touch[count] = hk_body_obstacle_impact(&s->impact[count], &s->arms[count], k, m, s->solved[k->index]);
+    hk_body_obstacle_moments(&s->moments[count], k, m);
+    resists |= s->moments[count].carrier != NULL;
     s->friction[count++] = k->obstacle->friction;
     s->solved[k->index] = true;
   }
@@ -211,6 +216,7 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   s->impacts.frictions = s->friction;
   s->impacts.touches = s->touch;
   s->impacts.arms = s->arms;
+  s->impacts.moments = resists ? s->moments : NULL;
   return HK_OK;
 }
 

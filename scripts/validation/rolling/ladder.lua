@@ -15,7 +15,7 @@ return validation.problem {
   time = { 2e-3, 1e-3, 5e-4 },
   order = { time = 1 },
   tolerance = 3e-5,
-  why = "contact of bodies that turn about what they touch has order 1; the force of the wall ends at 0, so that the instant is of no account",
+  why = "contact of bodies that turn about what they touch has order 1; the wall's force ends at 0",
   quick = { time = { 8e-3, 4e-3, 2e-3 }, tolerance = 1e-3 },
   solve = function(at)
     local scene = hooke.scene { duration = 0.6, fps = 5, dt = at.h, integrator = "leapfrog" }

@@ -20,7 +20,7 @@ const uint32_t *hk_body_arm_carriers(const hk_model *m, const uint32_t *particle
 }
 
 /* across[c]/volume are the reciprocal vectors of x_c - x_0. Returns the volume. */
-static double reciprocal(const uint32_t *carrier, const double *x, double across[3][3]) {
+double hk_body_arms_reciprocal(const uint32_t *carrier, const double *x, double across[3][3]) {
   double side[3][3];
   for (int c = 0; c < 3; c++) hk_subtract(side[c], x + 3 * (size_t)carrier[c + 1], x + 3 * (size_t)carrier[0]);
   for (int c = 0; c < 3; c++) hk_cross(across[c], side[(c + 1) % 3], side[(c + 2) % 3]);
@@ -28,7 +28,7 @@ static double reciprocal(const uint32_t *carrier, const double *x, double across
 }
 
 static void set(hk_body_arm *a, const double *x, const double n[3]) {
-  double across[3][3], volume = reciprocal(a->carrier, x, across);
+  double across[3][3], volume = hk_body_arms_reciprocal(a->carrier, x, across);
   a->weight[0] = 0;
   for (int c = 0; c < 3; c++) {
     a->weight[c + 1] = -a->radius * hk_dot(across[c], n) / volume;
@@ -58,15 +58,20 @@ void hk_body_arms_across(const double sum[9], const double n[3], double G[9]) {
 }
 
 /* The spin w of v_c - v_0 = w x (x_c - x_0): half of the sum of the reciprocal vectors times these. */
+void hk_body_spin(const uint32_t *carrier, const double *x, const double *v, double out[3]) {
+  double across[3][3], d[3], part[3], volume = hk_body_arms_reciprocal(carrier, x, across);
+  out[0] = out[1] = out[2] = 0;
+  for (int c = 0; c < 3; c++) {
+    hk_subtract(d, v + 3 * (size_t)carrier[c + 1], v + 3 * (size_t)carrier[0]);
+    hk_cross(part, across[c], d);
+    hk_add_scaled(out, 0.5 / volume, part);
+  }
+}
+
 void hk_body_arms_carry(const uint32_t *carrier, const double *x_from, const double *v_from, const double *x,
                         double *v) {
-  double across[3][3], volume = reciprocal(carrier, x_from, across), w[3] = {0, 0, 0};
-  double d[3], part[3], middle[3] = {0, 0, 0}, speed[3] = {0, 0, 0};
-  for (int c = 0; c < 3; c++) {
-    hk_subtract(d, v_from + 3 * (size_t)carrier[c + 1], v_from + 3 * (size_t)carrier[0]);
-    hk_cross(part, across[c], d);
-    hk_add_scaled(w, 0.5 / volume, part);
-  }
+  double w[3], d[3], part[3], middle[3] = {0, 0, 0}, speed[3] = {0, 0, 0};
+  hk_body_spin(carrier, x_from, v_from, w);
   for (int c = 0; c < 4; c++) {
     hk_add_scaled(middle, 0.25, x + 3 * (size_t)carrier[c]);
     hk_add_scaled(speed, 0.25, v_from + 3 * (size_t)carrier[c]);

@@ -22,6 +22,10 @@ const uint32_t *hk_body_arm_carriers(const hk_model *, const uint32_t *particle,
 void hk_body_arms_set(hk_body_arms *, const double *x, const double n[3]);
 /* out += what the arms add to the difference of both sides, across n: of y = x or v, n x 3. */
 void hk_body_arms_add(const hk_body_arms *, const double *y, const double n[3], double out[3]);
+/* Returns the volume; across[c]/volume are the reciprocal vectors of x_c - x_0, c from 1. */
+double hk_body_arms_reciprocal(const uint32_t *carrier, const double *x, double across[3][3]);
+/* rad/s: the spin of the body whose carriers are at x with v (n x 3). */
+void hk_body_spin(const uint32_t *carrier, const double *x, const double *v, double out[3]);
 /* v of the four carriers (n x 3) at x: the motion of the body that moved with v_from at x_from. */
 void hk_body_arms_carry(const uint32_t *carrier, const double *x_from, const double *v_from, const double *x,
                         double *v);

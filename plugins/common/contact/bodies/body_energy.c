@@ -38,6 +38,7 @@ void hk_body_energy_restart(hk_body_impacts *s, hk_contact_solver *solver, hk_st
     hk_impact *k = &solver->impact[e];
     if (e < s->contacts) k->speed.target = k->plastic;
     k->speed.push = 0;
+    if (hk_body_moments_of(s, e)) memset(s->moments[e].moment[true], 0, sizeof s->moments[e].moment[true]);
     memset(k->speed.slide, 0, sizeof k->speed.slide);
     k->speed.solved = 0;
   }

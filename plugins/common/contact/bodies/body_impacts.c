@@ -13,6 +13,9 @@ enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 10 /* sweeps betw
 /* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
 static const double held = 1e-12;
 
+/* Of the tolerance: what is left of places where moments hold what friction would roll, as every step adds to it. */
+static const double finer = 1e-3;
+
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
   s->bodies = host->query(host, "bodies/1");
@@ -76,6 +79,22 @@ static void note(const sweeping *w, const hk_body_response *r, uint64_t *when) {
   for (size_t j = r->first; j < r->first + r->count; j++) when[w->bodies->particle[j]] = w->solver->now;
 }
 
+/* Returns the size of the change of the body's place or speed, m or m/s. */
+static double turn(const sweeping *w, size_t e, const hk_body_response *r, double push) {
+  const hk_body_impacts *s = w->bodies;
+  hk_body_moments *m = hk_body_moments_of(s, e);
+  double rates[3], change[3], most = 0;
+  hk_body_moments_rates(m, w->speeds, w->y, w->speeds ? NULL : s->start, rates);
+  hk_body_moments_solve(m, w->speeds, rates, push, change);
+  for (size_t j = r->first; j < r->first + r->count; j++) {
+    double moved[3];
+    for (int c = 0; c < 3; c++) moved[c] = hk_dot(s->turn[j] + 3 * c, change);
+    hk_add_scaled(w->y + 3 * (size_t)s->particle[j], 1, moved);
+    most = fmax(most, hk_length(moved));
+  }
+  return most;
+}
+
 static hk_status relax(sweeping *w, size_t e) {
   hk_impact *k = &w->solver->impact[e];
   hk_impact_level *level = level_of(w, k);
@@ -91,11 +110,13 @@ static hk_status relax(sweeping *w, size_t e) {
   if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
   double mu = hk_body_friction(w->bodies, w->solver, e);
   hk_body_contact_solve(k, level, response->G, mu, r, change);
-  double size = hk_length(change);
-  if (!(size > 0)) return HK_OK;
-  apply(w, response, change);
+  double size = hk_length(change), turned = 0;
+  if (size > 0) apply(w, response, change);
+  if (hk_body_moments_of(w->bodies, e)) turned = turn(w, e, response, level->push);
+  if (!(size > 0 || turned > 0)) return HK_OK;
   note(w, response, w->solver->touched);
-  if (!(size * (response->G[0] + response->G[4] + response->G[8]) > w->tolerance)) return HK_OK;
+  if (turned > w->tolerance) level->solved = 0; /* friction has to answer */
+  if (!(fmax(turned, size * (response->G[0] + response->G[4] + response->G[8])) > w->tolerance)) return HK_OK;
   note(w, response, w->solver->moved);
   w->moved = true;
   return HK_OK;
@@ -194,8 +215,10 @@ static hk_status linearise(hk_body_impacts *s, const hk_step_move *m) {
 static void begin_level(hk_body_impacts *s, hk_contact_solver *solver, const double *x, bool speeds) {
   append(s, solver, speeds, solver->tolerance);
   aim(s, solver, x);
-  for (size_t e = 0; e < s->contacts; e++)
+  for (size_t e = 0; e < s->contacts; e++) {
     if (hk_body_arms_of(s, e)) hk_body_arms_set(&s->arms[e], x, solver->impact[e].frame.n);
+    if (hk_body_moments_of(s, e)) hk_body_moments_set(&s->moments[e], x, solver->impact[e].frame.n);
+  }
   for (size_t e = 0; e < s->contacts; e++)
     s->takes_part[e] = !speeds || solver->impact[e].place.push > 0 || (s->touches && s->touches[e]);
   for (size_t e = 0; e < solver->count; e++) s->response[e].known = false;
@@ -261,6 +284,7 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   if (status == HK_OK) status = make_room(s, given);
   if (status != HK_OK) return status;
   solver.impact = s->row;
+  if (s->moments) w.tolerance *= finer;
   begin_level(s, &solver, m->x, false);
   memcpy(s->start, m->x, 3 * s->n * sizeof *m->x);
   memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);

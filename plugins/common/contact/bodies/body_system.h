@@ -4,6 +4,7 @@
 
 #include "core/plugin.h"
 #include "plugins/common/contact/bodies/body_arms.h"
+#include "plugins/common/contact/bodies/body_moments.h"
 #include "plugins/common/contact/impulses/gauss_seidel.h"
 
 /* How the particles of an impact respond to an impulse on it. */
@@ -17,14 +18,15 @@ typedef struct hk_body_impacts {
   const hk_host *host;
   const hk_body_service *bodies;
   const hk_model *model;
-  size_t n;                /* particles */
-  size_t count;            /* bodies of the present topology; 0: the free particles' solver does the same */
-  const double *frictions; /* one per impact; NULL: hk_contact_solver.friction */
-  const bool *touches;     /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
-  hk_body_arms *arms;      /* one per impact, with carriers and radii: where friction acts; NULL: at their places */
-  double t;                /* s, the end of the step */
-  double slowest;          /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
-  bool keeps_energy;       /* what is met is at rest: impacts may not add to the kinetic energy (body_energy.c) */
+  size_t n;                 /* particles */
+  size_t count;             /* bodies of the present topology; 0: the free particles' solver does the same */
+  const double *frictions;  /* one per impact; NULL: hk_contact_solver.friction */
+  const bool *touches;      /* impacts whose speeds are to obey the law without a push on positions; NULL: none */
+  hk_body_arms *arms;       /* one per impact, with carriers and radii: where friction acts; NULL: at their places */
+  hk_body_moments *moments; /* one per impact, with carriers, lengths, way and rest; NULL: none */
+  double t;                 /* s, the end of the step */
+  double slowest;           /* m/s: what sweeps leave of speeds; 0: the solver's tolerance over the step */
+  bool keeps_energy;        /* what is met is at rest: impacts may not add to the kinetic energy (body_energy.c) */
   /* Room */
   size_t contacts;  /* of the impacts; those beyond are one-sided equations */
   hk_impact *row;   /* all of them */
@@ -36,6 +38,7 @@ typedef struct hk_body_impacts {
   size_t impacts, used, room;
   uint32_t *particle; /* room */
   double (*block)[9]; /* room: U, row by row */
+  double (*turn)[9];  /* room: the same of moments, by the axes */
   double *before;     /* 6 n: speeds before impacts, and with the given restitution */
   double *column;     /* n x 3 */
   double *start;      /* n x 3: positions before impacts */
@@ -62,6 +65,11 @@ static inline double hk_body_friction(const hk_body_impacts *s, const hk_contact
 /* Of impact e; NULL: it has none. */
 static inline hk_body_arms *hk_body_arms_of(const hk_body_impacts *s, size_t e) {
   return s->arms && e < s->contacts && hk_body_arms_any(&s->arms[e]) ? &s->arms[e] : NULL;
+}
+
+/* Of impact e; NULL: it has none. */
+static inline hk_body_moments *hk_body_moments_of(const hk_body_impacts *s, size_t e) {
+  return s->moments && e < s->contacts && s->moments[e].carrier ? &s->moments[e] : NULL;
 }
 
 #endif

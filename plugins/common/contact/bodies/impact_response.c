@@ -43,7 +43,9 @@ static hk_status make_room(hk_body_impacts *s, size_t more) {
   room += room / 2;
   uint32_t *particle = s->host->allocate(s->host, room * sizeof *particle);
   double(*block)[9] = s->host->allocate(s->host, room * sizeof *block);
-  if (!particle || !block) {
+  double(*turn)[9] = s->host->allocate(s->host, room * sizeof *turn);
+  if (!particle || !block || !turn) {
+    s->host->release(s->host, turn);
     s->host->release(s->host, particle);
     s->host->release(s->host, block);
     return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the response of %zu particles to impacts", room);
@@ -51,11 +53,14 @@ static hk_status make_room(hk_body_impacts *s, size_t more) {
   if (s->used) {
     memcpy(particle, s->particle, s->used * sizeof *particle);
     memcpy(block, s->block, s->used * sizeof *block);
+    memcpy(turn, s->turn, s->used * sizeof *turn);
   }
   s->host->release(s->host, s->particle);
   s->host->release(s->host, s->block);
+  s->host->release(s->host, s->turn);
   s->particle = particle;
   s->block = block;
+  s->turn = turn;
   s->room = room;
   return HK_OK;
 }
@@ -135,6 +140,25 @@ static hk_status find_blocks(hk_body_impacts *s, const hk_impact *k, const hk_bo
   return add_columns(s, r, &point, inverse_mass);
 }
 
+/* s->turn = the changes by unit moments about the axes. */
+static hk_status find_turns(hk_body_impacts *s, const hk_body_response *r, hk_body_moments *m) {
+  hk_status status = HK_OK;
+  for (int a = 0; a < 3 && status == HK_OK; a++) {
+    hk_weighted_point point;
+    memcpy(point.particle, m->carrier, sizeof point.particle);
+    memcpy(point.weight, m->weight[a], sizeof point.weight);
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      memset(s->column + 3 * (size_t)s->particle[j], 0, 3 * sizeof *s->column);
+    status = s->bodies->respond(s->bodies->self, &point, m->push[a], s->column);
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      for (int c = 0; c < 3; c++) s->turn[j][3 * c + a] = s->column[3 * (size_t)s->particle[j] + (size_t)c];
+    double sum[3] = {0, 0, 0};
+    for (int c = 0; c < 4; c++) hk_add_scaled(sum, m->weight[a][c], s->column + 3 * (size_t)m->carrier[c]);
+    m->inverse_inertia[a] = hk_dot(m->push[a], sum);
+  }
+  return status;
+}
+
 /* The row of the particle in the response; NULL: it is not in it. */
 static const double *block_of(const hk_body_impacts *s, const hk_body_response *r, uint32_t particle) {
   for (size_t j = r->first; j < r->first + r->count; j++)
@@ -165,6 +189,7 @@ hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *sol
   if (r->known) return HK_OK;
   hk_status status = list_particles(s, k, r);
   if (status == HK_OK) status = find_blocks(s, k, hk_body_arms_of(s, e), r, move->inverse_mass);
+  if (status == HK_OK && hk_body_moments_of(s, e)) status = find_turns(s, r, hk_body_moments_of(s, e));
   if (status == HK_OK) find_matrix(s, k, hk_body_arms_of(s, e), r);
   k->mobility = 0;
   for (int row = 0; row < 3; row++)

@@ -118,6 +118,38 @@ static void a_ball_in_a_cylinder_rises_again(void **state) {
   }
 }
 
+/* Moments of rolling = 2 mm and spinning = 1 mm times the normal force: 5/7 rolling g/r and 5/2 spinning g/r^2, to
+ * rest. */
+static void a_ball_is_slowed_by_rolling_and_spinning_friction(void **state) {
+  (void)state;
+  for (double t = 0.8; t < 9; t += 7.2) {
+    run(t, 2e-3,
+        "{ shape = 'sphere', radius = 0.1, mass = 2, position = {0, 0, 0.1}, velocity = {1, 0, 0}, spin = {0, 10, -4} "
+        "}",
+        "b:surface { {0, 0, 0} } fall()\nscene:corrector('obstacle', { shape = 'plane', friction = 0.5, radius = 0.1, "
+        "rolling = 2e-3, spinning = 1e-3 })\nlocal a, c = 5 / 7 * 2e-3 * g / 0.1, 2.5e-3 * g / 0.1^2\n"
+        "measure('speed', function(s) return b:velocity(s)[1] - math.max(0, 1 - a * s.t) end)\n"
+        "measure('slip', function(s) return b:velocity(s)[1] - 0.1 * b:spin(s)[2] end)\n"
+        "measure('spin', function(s) return b:spin(s)[3] + math.max(0, 4 - c * s.t) end)\n"
+        "measure('way', function(s) local t = math.min(s.t, 1 / a); return b:position(s)[1] - t + a * t^2 / 2 end)");
+    small("speed", 1e-8);
+    small("slip", 1e-9);
+    small("spin", 1e-6);
+    small("way", 1e-7);
+  }
+}
+
+/* Gravity's moment m g r sin a stays below rolling m g cos a. */
+static void a_ball_with_rolling_friction_stays_on_a_gentle_slope(void **state) {
+  (void)state;
+  run(1, 2e-3, "{ shape = 'sphere', radius = 0.1, mass = 2, position = {0, 0, 0.1} }",
+      "b:surface { {0, 0, 0} }\nlocal a = math.atan(0.99 * 0.02)\n"
+      "scene:force('gravity', { g = {g * sin(a), 0, -g * cos(a)} })\n"
+      "scene:corrector('obstacle', { shape = 'plane', friction = 0.5, radius = 0.1, rolling = 2e-3 })\n"
+      "measure('creep', function(s) return b:position(s)[1] end)");
+  small("creep", 1e-9);
+}
+
 /* A capsule across a beam, by its axis: what touches is 0.05 m below it, and it rolls at I/m r^2 of its moments. */
 static void a_capsule_on_a_beam_rolls(void **state) {
   (void)state;
@@ -227,6 +259,8 @@ int main(void) {
       cmocka_unit_test(a_ball_on_a_turntable_goes_round_at_two_sevenths_of_its_rate),
       cmocka_unit_test(a_ball_in_a_cylinder_rises_again),
       cmocka_unit_test(a_capsule_on_a_beam_rolls),
+      cmocka_unit_test(a_ball_is_slowed_by_rolling_and_spinning_friction),
+      cmocka_unit_test(a_ball_with_rolling_friction_stays_on_a_gentle_slope),
       cmocka_unit_test(a_rod_that_falls_on_its_end_turns),
       cmocka_unit_test(a_box_slides_below_the_slope_and_stays_above),
       cmocka_unit_test(energy_never_rises),
