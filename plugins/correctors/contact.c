@@ -41,8 +41,9 @@ enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS
  * nothing moves. */
 static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12;
 
-/* Of the extent of a body: a radius that turns it. */
-static const double turning = 0.1;
+/* Of the extent of a body: a radius that turns it. Of the distance at which bodies touch: an overlap that is none of a
+ * thickness. */
+static const double turning = 0.1, overlapping = 0.1;
 
 /* Processor time so far, s, for benchmarks, which find it by the names of fields. */
 typedef struct contact_times {
@@ -191,18 +192,33 @@ static hk_status find_candidates(contact *s, hk_step_move *move) {
   return status;
 }
 
-/* What starts nearer than its thickness is opened without a speed, so that no energy shows it. */
-static void warn_of_start(contact *s, const hk_view *view) {
+/* Whether both sides are of rigid bodies, or pinned, so that nothing gives way. */
+static bool is_rigid(const hk_model *m, const hk_feature_pair *pair) {
+  bool rigid = true;
+  for (int i = 0; i < 4; i++) rigid &= m->pin[pair->vertex[i]] == HK_PIN_RIDES || !hk_model_moves(m, pair->vertex[i]);
+  return rigid;
+}
+
+/* What starts nearer than its thickness is opened without a speed, so that no energy shows it. Rigid bodies that
+ * overlap by more than a tenth of their distance, such as balls in each other, are refused. */
+static hk_status check_start(contact *s, const hk_view *view, double h) {
   hk_closed_candidates closed = hk_contact_candidates_closed(&s->base.candidates);
   bool began = s->began;
   s->began = true;
-  if (began || closed.count == 0) return;
+  if (began || closed.count == 0) return HK_OK;
   hk_pair_names names = hk_pair_names_of(closed.pair, view->model->id);
+  if (view->t - h <= 0 && closed.depth > fmax(s->base.params.thickness, overlapping * closed.pair->offset) &&
+      is_rigid(view->model, closed.pair))
+    return s->base.host->fail(s->base.host, HK_BAD_PARAM,
+                              "rigid bodies overlap at the start, by %.3g m (%s and %s): start them apart by that, or "
+                              "make thickness or radius smaller",
+                              closed.depth, names.one, names.other);
   s->base.host->warn(
       s->base.host,
       "%zu pairs start nearer than their thickness, by up to %.3g m (%s and %s): every step opens such a gap "
       "by half of what is missing, which no force does; start them apart, or make thickness or radius smaller",
       closed.count, closed.depth, names.one, names.other);
+  return HK_OK;
 }
 
 /* Where bodies bounce, a step ends at the first impact, so that the law holds at one instant: a body turns in what is
@@ -237,7 +253,7 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   uint64_t began = s->now;
   hk_status status = hk_body_impacts_begin(&s->bodies, view, false);
   if (status == HK_OK) status = find_candidates(s, &move);
-  if (status == HK_OK) warn_of_start(s, view);
+  if (status == HK_OK) status = check_start(s, view, c->h);
   if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
   if (status != HK_OK) return status;
   c->reject = c->part < 1;

@@ -80,13 +80,21 @@ static const hk_field fields[] = {
     {0},
 };
 
-static void warn_of_start(const obstacle *s, const hk_view *view) {
+/* What moves on its own comes out in the first step; a rigid body would be turned by that. */
+static hk_status check_start(const obstacle *s, const hk_view *view) {
   hk_inside found = hk_obstacle_inside(&s->obstacle, view);
-  if (found.count)
-    s->host->warn(s->host,
-                  "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
-                  "its surface, which no force does; start them outside",
-                  found.count, found.depth, view->model->id[found.deepest]);
+  if (found.count == 0) return HK_OK;
+  uint32_t id = view->model->id[found.deepest];
+  if (view->model->pin[found.deepest] == HK_PIN_RIDES && found.depth > worth_saying && view->t <= 0)
+    return s->host->fail(s->host, HK_BAD_PARAM,
+                         "a rigid body starts inside the obstacle, by up to %.3g m at its particle %u: no law says "
+                         "where it belongs; start it outside, or farther away by its radius",
+                         found.depth, id);
+  s->host->warn(s->host,
+                "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
+                "its surface, which no force does; start them outside",
+                found.count, found.depth, id);
+  return HK_OK;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -111,7 +119,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_pose now = hk_obstacle_pose(&s->params, view->t);
   hk_motion_begin(s->history.item, &now);
   hk_motion_of(&s->obstacle.motion, s->history.item);
-  warn_of_start(s, view);
+  status = check_start(s, view);
+  if (status != HK_OK) return status;
   s->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!s->all) return HK_FAILED;
   s->obstacle.edges = s->edges.count ? &s->edges : NULL;

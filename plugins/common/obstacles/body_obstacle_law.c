@@ -20,6 +20,9 @@ static const double shortest_flight = 1e-3;
 /* rad: a normal that turns by less in a step does not turn; one by more, at an edge of the obstacle. */
 static const double straight = 1e-12, corner = 0.5;
 
+/* Times the change of a step: a slip that is one. */
+static const double surely = 10;
+
 double hk_body_contact_touching(const hk_obstacle *o, const hk_obstacle_moves *m, const hk_obstacle_feature *f) {
   size_t i = f->end[0], j = f->end[1];
   return 1e5 * fmax(hk_obstacle_rounding(o, m->x_from + 3 * i, m->x + 3 * i, i),
@@ -213,4 +216,20 @@ void hk_body_obstacle_moments(hk_body_moments *out, const hk_body_contact *k, co
   hk_subtract(then, then, o->motion.start.spin);
   hk_subtract(now, now, o->motion.end.spin);
   for (int c = 0; c < 3; c++) out->way[c] = (1 - s) * m->h / 2 * ((1 - s) * then[c] + (1 + s) * now[c]);
+}
+
+void hk_body_obstacle_slides(const hk_body_contact *k, const hk_obstacle_moves *m, double slip[3]) {
+  const double *n = k->way.to.n;
+  double at[3], now[3], surface[3], then[3], change[3];
+  double touching = hk_body_contact_touching(k->obstacle, m, &k->feature);
+  slip[0] = slip[1] = slip[2] = 0;
+  if (!(k->obstacle->friction > 0) || k->way.landing > 0 || k->way.from.gap < -touching) return;
+  touching_point(k, m->x, m->v, n, at, now);
+  hk_obstacle_surface_velocity(k->obstacle, 1, at, surface);
+  hk_subtract(now, now, surface);
+  speed_then(k, m, k->way.from.n, then);
+  hk_subtract(change, now, then);
+  if (hk_dot(then, n) < -hk_length(change)) return; /* it lands */
+  hk_add_scaled(then, -hk_dot(then, n), n);
+  if (hk_length(then) > surely * hk_length(change)) hk_copy(slip, then);
 }

@@ -22,6 +22,9 @@ bool hk_body_obstacle_impact(hk_impact *, hk_body_arms *, const hk_body_contact 
                              bool again);
 /* Rolling and spinning friction of that contact. */
 void hk_body_obstacle_moments(hk_body_moments *, const hk_body_contact *, const hk_obstacle_moves *);
+/* m/s: the speed across n at which a contact that lasts surely slides, far above what the step changes; 0: it does not.
+ */
+void hk_body_obstacle_slides(const hk_body_contact *, const hk_obstacle_moves *, double slip[3]);
 /* m/s, of the feature at the place of `gap` against the obstacle, along n, at the part s of the step. */
 double hk_body_contact_speed(const hk_body_contact *, const hk_obstacle_moves *, const hk_feature_gap *gap,
                              const double n[3], double s);

@@ -198,6 +198,7 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   if (status == HK_OK) status = hk_reserve(host, &s->friction, &s->friction_room, s->contacts, sizeof *s->friction);
   if (status == HK_OK) status = hk_reserve(host, &s->touch, &s->touch_room, s->contacts, sizeof *s->touch);
   if (status == HK_OK) status = hk_reserve(host, &s->arms, &s->arms_room, s->contacts, sizeof *s->arms);
+  if (status == HK_OK) status = hk_reserve(host, &s->slip, &s->slip_room, s->contacts, sizeof *s->slip);
   if (status == HK_OK) status = hk_reserve(host, &s->moments, &s->moments_room, s->contacts, sizeof *s->moments);
   if (status != HK_OK) return status;
   size_t count = 0;
@@ -206,6 +207,7 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
     const hk_body_contact *k = &s->contact[e];
     if (k->way.to.gap > hk_body_contact_touching(k->obstacle, m, &k->feature)) continue; /* it passed a corner */
     s->touch[count] = hk_body_obstacle_impact(&s->impact[count], &s->arms[count], k, m, s->solved[k->index]);
+    hk_body_obstacle_slides(k, m, s->slip[count]);
     hk_body_obstacle_moments(&s->moments[count], k, m);
     resists |= s->moments[count].carrier != NULL;
     s->friction[count++] = k->obstacle->friction;
@@ -280,6 +282,28 @@ static bool all_still(const hk_body_obstacles *s) {
   return still;
 }
 
+/* Painleve's paradox: a contact that lasts and slides, whose friction presses the body into the obstacle by more than
+ * the normal force pushes it out (n.G.(n - mu t) <= 0; Genot and Brogliato 1999, Eur. J. Mech. A 18, 653). Rigid bodies
+ * then have no acceleration, or two. The slip has to be far above what a step changes, so that sticking is none. */
+static hk_status refuse_paradox(const hk_body_obstacles *s, const hk_contact_solver *solver) {
+  for (size_t e = 0; e < solver->count; e++) {
+    const hk_impact *k = &solver->impact[e];
+    const hk_body_response *r = &s->impacts.response[e];
+    double G[3], slip[3], size = hk_length(s->slip[e]);
+    if (!(size > 0) || !r->known || !(k->speed.push > 0)) continue;
+    for (int c = 0; c < 3; c++) slip[c] = s->slip[e][c] / size;
+    for (int c = 0; c < 3; c++)
+      G[c] = k->frame.n[0] * r->G[c] + k->frame.n[1] * r->G[3 + c] + k->frame.n[2] * r->G[6 + c];
+    if (hk_dot(G, k->frame.n) > s->friction[e] * hk_dot(G, slip)) continue;
+    return s->impacts.host->fail(
+        s->impacts.host, HK_FAILED,
+        "particle %u slides on an obstacle at t = %g s with a friction of %g that jams its body (Painleve's paradox): "
+        "rigid bodies have no motion there that the laws determine; lower the friction, or tilt the body less",
+        s->impacts.model->id[k->pair.vertex[0]], s->impacts.t, s->friction[e]);
+  }
+  return HK_OK;
+}
+
 static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   hk_contact_solver solver = {.most = SWEEPS, .moved = s->moved, .touched = s->touched, .now = s->now};
@@ -289,6 +313,7 @@ static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, con
   s->impacts.slowest = left_of_speeds * largest_speed(s, m) + 2e-3 * solver.tolerance / c->h;
   hk_status status = build(s, m, &solver);
   if (status == HK_OK && solver.count) status = hk_body_gauss_seidel(&s->impacts, &solver, &move, &done);
+  if (status == HK_OK && solver.count) status = refuse_paradox(s, &solver);
   s->now = solver.now;
   c->changed |= done.pushing > 0 || done.impulse > 0;
   return status;

@@ -252,6 +252,45 @@ static void a_body_without_a_surface_is_told(void **state) {
   assert_non_null(strstr(r.out, "obstacle meets 1 rigid bodies nowhere, such as that of particle 1"));
 }
 
+static void refused(const char *scene, int code, const char *sentence) {
+  test_write("refused.lua", scene);
+  test_hooke(&r, NULL, "run refused.lua --json --quiet --no-output");
+  if (r.code != code || !strstr(r.err, sentence)) fail_msg("exit %d: %s", r.code, r.err);
+}
+
+static void a_body_that_starts_inside_is_refused(void **state) {
+  (void)state;
+  refused("local scene = hooke.scene { duration = 0.1, dt = 1e-3 }\n"
+          "scene:rigid { shape = 'box', size = 0.2, mass = 1, position = {0, 0, 0.05} }:surface()\n"
+          "scene:corrector('obstacle', {})\nreturn scene\n",
+          1, "a rigid body starts inside the obstacle, by up to 0.05 m at its particle ");
+}
+
+/* A rod that leans back and is pushed over a floor of friction 3: 1 + 3 cos a (cos a - mu sin a) is below 0 at a = 1.2.
+ * Pulled the other way, or with a friction of 0.5, it slides. */
+static void painleves_rod_ends_with_a_sentence(void **state) {
+  static const struct { double speed, mu; } of[3] = {{3, 3}, {-3, 3}, {3, 0.5}};
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    char scene[1024];
+    snprintf(scene, sizeof scene,
+             "local scene = hooke.scene { duration = 0.05, fps = 20, dt = 1e-3, integrator = 'leapfrog' }\n"
+             "local c, s = 0.5 * math.cos(1.2), 0.5 * math.sin(1.2)\n"
+             "local b = scene:rigid { points = { {c, 0, -s}, {0, 0, 0}, {-c, 0, s} }, masses = {1 / 6, 2 / 3, 1 / 6},\n"
+             "  position = {0, 0, s}, velocity = {%g, 0, 0} }\nb:surface { {c, 0, -s}, {-c, 0, s} }\n"
+             "scene:force('gravity', { g = {0, 0, -9.81} })\nscene:corrector('obstacle', { friction = %g })\nreturn "
+             "scene\n",
+             of[k].speed, of[k].mu);
+    if (k == 0) {
+      refused(scene, 2, "jams its body (Painleve's paradox)");
+      continue;
+    }
+    test_write("rod.lua", scene);
+    test_hooke(&r, NULL, "run rod.lua --json --quiet --no-output");
+    assert_int_equal(r.code, 0);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_box_that_falls_flat_rises_by_the_square_of_e),
@@ -265,6 +304,8 @@ int main(void) {
       cmocka_unit_test(a_box_slides_below_the_slope_and_stays_above),
       cmocka_unit_test(energy_never_rises),
       cmocka_unit_test(a_body_without_a_surface_is_told),
+      cmocka_unit_test(a_body_that_starts_inside_is_refused),
+      cmocka_unit_test(painleves_rod_ends_with_a_sentence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

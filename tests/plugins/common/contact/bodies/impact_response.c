@@ -235,6 +235,17 @@ static void a_round_point_of_a_flat_body_is_told_of_friction(void **state) {
   }
 }
 
+static void balls_that_start_in_each_other_are_refused(void **state) {
+  (void)state;
+  test_write("overlap.lua", "local scene = hooke.scene { duration = 0.1, dt = 1e-3 }\n"
+                            "for k = 0, 1 do scene:rigid { shape = 'sphere', radius = 0.1, mass = 1, position = "
+                            "{0.15 * k, 0, 0} }:surface { {0, 0, 0} } end\n"
+                            "scene:corrector('contact', { radius = 0.1 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run overlap.lua --json --quiet --no-output");
+  assert_int_not_equal(r.code, 0);
+  assert_non_null(strstr(r.err, "rigid bodies overlap at the start, by 0.05 m (particle 5 and particle 10)"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(balls_collide_along_their_centres),
@@ -245,6 +256,7 @@ int main(void) {
       cmocka_unit_test(a_box_falls_into_cloth),
       cmocka_unit_test(a_ball_that_slides_rolls_at_five_sevenths),
       cmocka_unit_test(balls_rub_each_other_at_their_surfaces),
+      cmocka_unit_test(balls_that_start_in_each_other_are_refused),
       cmocka_unit_test(a_round_point_of_a_flat_body_is_told_of_friction),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
