@@ -30,6 +30,7 @@
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
 #include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/surface_arms.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
 #include "plugins/kit/vector3.h"
@@ -40,8 +41,9 @@ enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS
  * nothing moves. */
 static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12;
 
-/* Of the extent of a body: a radius that turns it. */
-static const double turning = 0.1;
+/* Of the extent of a body: a radius that turns it. Of the distance at which bodies touch: an overlap that is none of a
+ * thickness. */
+static const double turning = 0.1, overlapping = 0.1;
 
 /* Processor time so far, s, for benchmarks, which find it by the names of fields. */
 typedef struct contact_times {
@@ -109,22 +111,16 @@ static double extent_of(const hk_view *view, const hk_rider *r) {
   return most;
 }
 
-static bool in_triangle(const hk_model *m, uint32_t particle) {
-  for (size_t k = 0; k < 3 * m->triangles.count; k++)
-    if (m->triangles.index[k] == particle) return true;
-  return false;
-}
-
-/* A point of a rigid body with a radius that shows: what touches is at x - R n, and impulses are at x. */
+/* A point of a flat body or a rod with a radius that shows: it has no extent to turn it about. */
 static void warn_of_balls(const contact *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
     const hk_rider *r = &m->rider[k];
-    if (!r->touches || !(s->base.params.radius > turning * extent_of(view, r)) || in_triangle(m, r->particle)) continue;
+    if (!r->touches || r->carriers == 4 || !(s->base.params.radius > turning * extent_of(view, r))) continue;
     s->base.host->warn(
         s->base.host,
-        "a ball that is one point of a rigid body is rubbed at its centre: particle %u, of the radius %g "
-        "m, so that friction does not turn it; give the body a surface of triangles, body:surface()",
+        "a round point of a flat body or a rod is rubbed at its centre: particle %u, of the radius %g m, so that "
+        "friction does not turn it about what it has no extent across; give the body a thickness",
         m->id[r->particle], s->base.params.radius);
     return;
   }
@@ -167,6 +163,8 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   s->bodies.t = view->t;
   if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
   if (first) hk_warm_start_give(&s->known, &solver, move->h);
+  if (!single) status = hk_surface_arms_find(&s->bodies, s->base.surfaces->mesh(s->base.surfaces->self), &solver, move);
+  if (status != HK_OK) return status;
   if (single)
     done = hk_gauss_seidel(&solver, move);
   else
@@ -194,18 +192,33 @@ static hk_status find_candidates(contact *s, hk_step_move *move) {
   return status;
 }
 
-/* What starts nearer than its thickness is opened without a speed, so that no energy shows it. */
-static void warn_of_start(contact *s, const hk_view *view) {
+/* Whether both sides are of rigid bodies, or pinned, so that nothing gives way. */
+static bool is_rigid(const hk_model *m, const hk_feature_pair *pair) {
+  bool rigid = true;
+  for (int i = 0; i < 4; i++) rigid &= m->pin[pair->vertex[i]] == HK_PIN_RIDES || !hk_model_moves(m, pair->vertex[i]);
+  return rigid;
+}
+
+/* What starts nearer than its thickness is opened without a speed, so that no energy shows it. Rigid bodies that
+ * overlap by more than a tenth of their distance, such as balls in each other, are refused. */
+static hk_status check_start(contact *s, const hk_view *view, double h) {
   hk_closed_candidates closed = hk_contact_candidates_closed(&s->base.candidates);
   bool began = s->began;
   s->began = true;
-  if (began || closed.count == 0) return;
+  if (began || closed.count == 0) return HK_OK;
   hk_pair_names names = hk_pair_names_of(closed.pair, view->model->id);
+  if (view->t - h <= 0 && closed.depth > fmax(s->base.params.thickness, overlapping * closed.pair->offset) &&
+      is_rigid(view->model, closed.pair))
+    return s->base.host->fail(s->base.host, HK_BAD_PARAM,
+                              "rigid bodies overlap at the start, by %.3g m (%s and %s): start them apart by that, or "
+                              "make thickness or radius smaller",
+                              closed.depth, names.one, names.other);
   s->base.host->warn(
       s->base.host,
       "%zu pairs start nearer than their thickness, by up to %.3g m (%s and %s): every step opens such a gap "
       "by half of what is missing, which no force does; start them apart, or make thickness or radius smaller",
       closed.count, closed.depth, names.one, names.other);
+  return HK_OK;
 }
 
 /* Where bodies bounce, a step ends at the first impact, so that the law holds at one instant: a body turns in what is
@@ -240,7 +253,7 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   uint64_t began = s->now;
   hk_status status = hk_body_impacts_begin(&s->bodies, view, false);
   if (status == HK_OK) status = find_candidates(s, &move);
-  if (status == HK_OK) warn_of_start(s, view);
+  if (status == HK_OK) status = check_start(s, view, c->h);
   if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
   if (status != HK_OK) return status;
   c->reject = c->part < 1;

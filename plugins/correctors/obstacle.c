@@ -34,7 +34,7 @@ typedef struct chunk_result {
 
 typedef struct obstacle {
   hk_obstacle_params params;
-  double restitution;
+  double restitution, rolling, spinning;
   int64_t divide;
   int64_t divisions;     /* of the step that ends at `divided` */
   double divided, whole; /* s; its length */
@@ -54,6 +54,12 @@ static const hk_param params[] = {
     HK_OBSTACLE_PARAM_ROWS(obstacle),
     {"restitution", "", "e, the part of the normal speed that an impact leaves", .number = HK_AT(obstacle, restitution),
      .limits = HK_WITHIN(0, 1)},
+    {"rolling", "m",
+     "rolling friction of round rigid bodies: a moment of at most so much times the normal force is against their "
+     "rolling",
+     .number = HK_AT(obstacle, rolling), .limits = HK_WITHIN(0, 1e6)},
+    {"spinning", "m", "the same against their spinning about the normal", .number = HK_AT(obstacle, spinning),
+     .limits = HK_WITHIN(0, 1e6)},
     {"divide", "",
      "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
      "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
@@ -74,13 +80,21 @@ static const hk_field fields[] = {
     {0},
 };
 
-static void warn_of_start(const obstacle *s, const hk_view *view) {
+/* What moves on its own comes out in the first step; a rigid body would be turned by that. */
+static hk_status check_start(const obstacle *s, const hk_view *view) {
   hk_inside found = hk_obstacle_inside(&s->obstacle, view);
-  if (found.count)
-    s->host->warn(s->host,
-                  "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
-                  "its surface, which no force does; start them outside",
-                  found.count, found.depth, view->model->id[found.deepest]);
+  if (found.count == 0) return HK_OK;
+  uint32_t id = view->model->id[found.deepest];
+  if (view->model->pin[found.deepest] == HK_PIN_RIDES && found.depth > worth_saying && view->t <= 0)
+    return s->host->fail(s->host, HK_BAD_PARAM,
+                         "a rigid body starts inside the obstacle, by up to %.3g m at its particle %u: no law says "
+                         "where it belongs; start it outside, or farther away by its radius",
+                         found.depth, id);
+  s->host->warn(s->host,
+                "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
+                "its surface, which no force does; start them outside",
+                found.count, found.depth, id);
+  return HK_OK;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -97,13 +111,16 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacle *s = self;
   s->host = host;
   s->obstacle.restitution = s->restitution;
+  s->obstacle.rolling = s->rolling;
+  s->obstacle.spinning = s->spinning;
   hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
   if (status == HK_OK) status = host->resize(host, &s->history, HK_POSES);
   if (status != HK_OK) return status;
   hk_pose now = hk_obstacle_pose(&s->params, view->t);
   hk_motion_begin(s->history.item, &now);
   hk_motion_of(&s->obstacle.motion, s->history.item);
-  warn_of_start(s, view);
+  status = check_start(s, view);
+  if (status != HK_OK) return status;
   s->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!s->all) return HK_FAILED;
   s->obstacle.edges = s->edges.count ? &s->edges : NULL;

@@ -67,11 +67,32 @@ static void the_dominoes_fall(void **state) {
     fail_msg("the energy is %g of %g J", test_json(r.out, "energy of the row"), before);
 }
 
+/* 5/7 of 6 m/s at 0.87 s, before the first pin; then something falls, and nothing passes. */
+static void the_bowling_ball_rolls_and_hits(void **state) {
+  (void)state;
+  run("bowling", "rows=1 duration=1.1");
+  near("slip", 0, 1e-6);
+  near("intersections", 0, 0);
+  if (!(test_json(r.out, "fallen") == 1)) fail_msg("the pin stands");
+  run("bowling", "rows=1 speed=3 duration=0.6");
+  near("slip", 0, 1e-9);
+  near("speed of the ball", 3 * 5 / 7.0, 1e-6);
+}
+
+static void balls_go_round_on_the_turntable(void **state) {
+  (void)state;
+  run("turntable", "duration=1");
+  near("rate", 1, 1e-6);
+  near("off", 0, 1e-7);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_handle_turns_over),
       cmocka_unit_test(the_gyroscope_goes_round),
       cmocka_unit_test(the_dominoes_fall),
+      cmocka_unit_test(the_bowling_ball_rolls_and_hits),
+      cmocka_unit_test(balls_go_round_on_the_turntable),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

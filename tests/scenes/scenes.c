@@ -35,6 +35,7 @@ static const char *options_of(const char *scene) {
   static const struct {
     const char *scene, *options;
   } coarse[] = {
+      {"bowling", "rows=1 duration=1"},
       {"cantilever", "n=10"},
       {"card_house", "N=3 --dt 8e-5"},
       {"cloth", "N=12"},

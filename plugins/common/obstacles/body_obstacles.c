@@ -7,9 +7,10 @@
 enum { ROUNDS = 12, SWEEPS = 200, GRAIN = 256 };
 
 /* Of the gap of contact, and of the largest speed: what sweeps leave. Of a step: a landing is at its end from here on,
- * and at its start before 1 less that. m, of an overlap that nothing can open: what is worth an end. */
+ * and at its start before 1 less that. m, of an overlap that nothing can open: what is worth an end. Of a speed: what
+ * is none, as of the change in a step without forces. */
 static const double left_by_sweeps = 0.05, left_of_speeds = 1e-12, at_end = 1 - 1e-9, worth_saying = 1e-6,
-                    worth_a_cut = 1e3;
+                    worth_a_cut = 1e3, rounding = 1e-9;
 
 hk_status hk_body_obstacles_open(hk_body_obstacles *s, const hk_host *host, const hk_obstacle_set *set) {
   s->set = set;
@@ -127,13 +128,12 @@ static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   }
 }
 
-/* The rider of a contact whose point of contact is not where the rider is. */
-static const hk_rider *rolling(const hk_body_obstacles *s, const hk_body_contact *k) {
-  const hk_model *model = s->impacts.model;
-  uint32_t i = k->feature.end[0];
-  if (i != k->feature.end[1] || model->pin[i] != HK_PIN_RIDES || !(hk_obstacle_radius(k->obstacle, i) > 0)) return NULL;
-  const hk_rider *r = hk_model_rider(model, i);
-  return r && r->carriers == 4 ? r : NULL;
+/* Without friction it does not matter where it acts. */
+static const uint32_t *round_body(const hk_body_obstacles *s, const hk_body_contact *k) {
+  const double both[2] = {1, 1};
+  const hk_obstacle *o = k->obstacle;
+  bool rubs = o->friction + o->rolling + o->spinning > 0 && hk_obstacle_radius(k->obstacle, k->feature.end[0]) > 0;
+  return rubs ? hk_body_arm_carriers(s->impacts.model, k->feature.end, both, 2) : NULL;
 }
 
 static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m) {
@@ -146,7 +146,7 @@ static hk_status find_contacts(hk_body_obstacles *s, const hk_obstacle_moves *m)
     for (size_t o = 0; o < s->set->count && status == HK_OK; o++) {
       hk_body_contact k = {s->set->member[o], f * s->set->count + o, s->feature[f], NULL, {.touches = false}};
       if (!s->near[k.index]) continue;
-      k.rider = rolling(s, &k);
+      k.carrier = round_body(s, &k);
       k.way = hk_feature_way_of(k.obstacle, m, &k.feature, hk_body_contact_touching(k.obstacle, m, &k.feature));
       bool edge = k.feature.end[0] != k.feature.end[1];
       if (!k.way.touches || (edge && !k.way.to.inside_of_edge && !k.way.at.inside_of_edge)) continue;
@@ -162,7 +162,7 @@ static bool first_order(const hk_obstacle_moves *m, size_t i) {
     change[c - 3 * i] = m->v[c] - m->v_from[c];
     drift[c - 3 * i] = m->v_from[c] - (m->x[c] - m->x_from[c]) / m->h + change[c - 3 * i] / 2;
   }
-  return hk_length(drift) > 0.1 * hk_length(change);
+  return hk_length(drift) > 0.1 * hk_length(change) + rounding * hk_length(m->v_from + 3 * i);
 }
 
 /* Whether the step is to end where this contact begins: it closes faster than the step changes its speed. */
@@ -197,12 +197,19 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   hk_status status = hk_reserve(host, &s->impact, &s->impact_room, s->contacts, sizeof *s->impact);
   if (status == HK_OK) status = hk_reserve(host, &s->friction, &s->friction_room, s->contacts, sizeof *s->friction);
   if (status == HK_OK) status = hk_reserve(host, &s->touch, &s->touch_room, s->contacts, sizeof *s->touch);
+  if (status == HK_OK) status = hk_reserve(host, &s->arms, &s->arms_room, s->contacts, sizeof *s->arms);
+  if (status == HK_OK) status = hk_reserve(host, &s->slip, &s->slip_room, s->contacts, sizeof *s->slip);
+  if (status == HK_OK) status = hk_reserve(host, &s->moments, &s->moments_room, s->contacts, sizeof *s->moments);
   if (status != HK_OK) return status;
   size_t count = 0;
+  bool resists = false;
   for (size_t e = 0; e < s->contacts; e++) {
     const hk_body_contact *k = &s->contact[e];
     if (k->way.to.gap > hk_body_contact_touching(k->obstacle, m, &k->feature)) continue; /* it passed a corner */
-    s->touch[count] = hk_body_obstacle_impact(&s->impact[count], k, m, s->solved[k->index]);
+    s->touch[count] = hk_body_obstacle_impact(&s->impact[count], &s->arms[count], k, m, s->solved[k->index]);
+    hk_body_obstacle_slides(k, m, s->slip[count]);
+    hk_body_obstacle_moments(&s->moments[count], k, m);
+    resists |= s->moments[count].carrier != NULL;
     s->friction[count++] = k->obstacle->friction;
     s->solved[k->index] = true;
   }
@@ -210,6 +217,8 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
   solver->impact = s->impact;
   s->impacts.frictions = s->friction;
   s->impacts.touches = s->touch;
+  s->impacts.arms = s->arms;
+  s->impacts.moments = resists ? s->moments : NULL;
   return HK_OK;
 }
 
@@ -273,6 +282,28 @@ static bool all_still(const hk_body_obstacles *s) {
   return still;
 }
 
+/* Painleve's paradox: a contact that lasts and slides, whose friction presses the body into the obstacle by more than
+ * the normal force pushes it out (n.G.(n - mu t) <= 0; Genot and Brogliato 1999, Eur. J. Mech. A 18, 653). Rigid bodies
+ * then have no acceleration, or two. The slip has to be far above what a step changes, so that sticking is none. */
+static hk_status refuse_paradox(const hk_body_obstacles *s, const hk_contact_solver *solver) {
+  for (size_t e = 0; e < solver->count; e++) {
+    const hk_impact *k = &solver->impact[e];
+    const hk_body_response *r = &s->impacts.response[e];
+    double G[3], slip[3], size = hk_length(s->slip[e]);
+    if (!(size > 0) || !r->known || !(k->speed.push > 0)) continue;
+    for (int c = 0; c < 3; c++) slip[c] = s->slip[e][c] / size;
+    for (int c = 0; c < 3; c++)
+      G[c] = k->frame.n[0] * r->G[c] + k->frame.n[1] * r->G[3 + c] + k->frame.n[2] * r->G[6 + c];
+    if (hk_dot(G, k->frame.n) > s->friction[e] * hk_dot(G, slip)) continue;
+    return s->impacts.host->fail(
+        s->impacts.host, HK_FAILED,
+        "particle %u slides on an obstacle at t = %g s with a friction of %g that jams its body (Painleve's paradox): "
+        "rigid bodies have no motion there that the laws determine; lower the friction, or tilt the body less",
+        s->impacts.model->id[k->pair.vertex[0]], s->impacts.t, s->friction[e]);
+  }
+  return HK_OK;
+}
+
 static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   hk_contact_solver solver = {.most = SWEEPS, .moved = s->moved, .touched = s->touched, .now = s->now};
@@ -282,6 +313,7 @@ static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, con
   s->impacts.slowest = left_of_speeds * largest_speed(s, m) + 2e-3 * solver.tolerance / c->h;
   hk_status status = build(s, m, &solver);
   if (status == HK_OK && solver.count) status = hk_body_gauss_seidel(&s->impacts, &solver, &move, &done);
+  if (status == HK_OK && solver.count) status = refuse_paradox(s, &solver);
   s->now = solver.now;
   c->changed |= done.pushing > 0 || done.impulse > 0;
   return status;

@@ -25,9 +25,12 @@ typedef struct hk_body_obstacles {
   bool *near;   /* features x obstacles: they may touch in the step */
   size_t solved_room, near_room;
   hk_impact *impact;
+  hk_body_arms *arms;
+  hk_body_moments *moments;
+  double (*slip)[3]; /* m/s, hk_body_obstacle_slides */
   double *friction;
   bool *touch;
-  size_t impact_room, friction_room, touch_room;
+  size_t impact_room, arms_room, moments_room, slip_room, friction_room, touch_room;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   double *end;                    /* 6 n: x and v of the end of the step before corrections */
 } hk_body_obstacles;

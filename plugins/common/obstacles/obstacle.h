@@ -22,8 +22,9 @@ enum { HK_OBSTACLES = 64 }; /* at most, in a set */
 typedef struct hk_obstacle {
   hk_shape shape;
   double restitution, friction;
-  double radius;          /* m, of all particles */
-  const double *radii;    /* n, m; NULL: `radius` */
+  double rolling, spinning; /* m, of round rigid bodies: contact/bodies/body_moments.h */
+  double radius;            /* m, of all particles */
+  const double *radii;      /* n, m; NULL: `radius` */
   const hk_tuples *edges; /* arity 2: pairs of particles between which it does not come either; NULL: none are named */
   hk_motion motion;
 } hk_obstacle;

@@ -18,10 +18,6 @@ static double product(const hk_body_impacts *s, const hk_step_move *m, const dou
   return sum;
 }
 
-void hk_body_energy_begin(hk_body_impacts *s, const hk_step_move *m) {
-  if (s->keeps_energy) memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
-}
-
 bool hk_body_energy_grew(const hk_body_impacts *s, const hk_contact_solver *solver, const hk_step_move *m) {
   bool rubs = false, bounces = false;
   for (size_t e = 0; e < s->contacts && s->keeps_energy; e++) {
@@ -42,6 +38,7 @@ void hk_body_energy_restart(hk_body_impacts *s, hk_contact_solver *solver, hk_st
     hk_impact *k = &solver->impact[e];
     if (e < s->contacts) k->speed.target = k->plastic;
     k->speed.push = 0;
+    if (hk_body_moments_of(s, e)) memset(s->moments[e].moment[true], 0, sizeof s->moments[e].moment[true]);
     memset(k->speed.slide, 0, sizeof k->speed.slide);
     k->speed.solved = 0;
   }

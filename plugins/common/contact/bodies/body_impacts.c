@@ -13,6 +13,9 @@ enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 10 /* sweeps betw
 /* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
 static const double held = 1e-12;
 
+/* Of the tolerance: what is left of places where moments hold what friction would roll, as every step adds to it. */
+static const double finer = 1e-3;
+
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
   s->bodies = host->query(host, "bodies/1");
@@ -23,7 +26,8 @@ void hk_body_impacts_topology(hk_body_impacts *s) {
   s->host->release(s->host, s->column);
   s->host->release(s->host, s->place);
   s->host->release(s->host, s->before);
-  s->column = s->before = NULL;
+  s->host->release(s->host, s->start);
+  s->column = s->before = s->start = NULL;
   s->place = NULL;
 }
 
@@ -34,8 +38,9 @@ hk_status hk_body_impacts_begin(hk_body_impacts *s, const hk_view *view, bool ne
   s->column = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->column);
   s->place = s->host->allocate(s->host, (view->n + 1) * sizeof *s->place);
   s->before = s->host->allocate(s->host, (6 * view->n + 1) * sizeof *s->before);
+  s->start = s->host->allocate(s->host, (3 * view->n + 1) * sizeof *s->start);
   s->n = view->n;
-  return s->column && s->place && s->before
+  return s->column && s->place && s->before && s->start
              ? HK_OK
              : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
 }
@@ -53,11 +58,6 @@ typedef struct sweeping {
 } sweeping;
 
 static hk_impact_level *level_of(const sweeping *w, hk_impact *k) { return w->speeds ? &k->speed : &k->place; }
-
-static void relative(double out[3], const hk_impact *k, const hk_impact_level *level, const double *y) {
-  for (int c = 0; c < 3; c++) out[c] = -level->origin[c];
-  for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
-}
 
 static bool is_awake(const sweeping *w, size_t e, uint64_t solved) {
   const hk_body_response *r = &w->bodies->response[e];
@@ -79,12 +79,28 @@ static void note(const sweeping *w, const hk_body_response *r, uint64_t *when) {
   for (size_t j = r->first; j < r->first + r->count; j++) when[w->bodies->particle[j]] = w->solver->now;
 }
 
+/* Returns the size of the change of the body's place or speed, m or m/s. */
+static double turn(const sweeping *w, size_t e, const hk_body_response *r, double push) {
+  const hk_body_impacts *s = w->bodies;
+  hk_body_moments *m = hk_body_moments_of(s, e);
+  double rates[3], change[3], most = 0;
+  hk_body_moments_rates(m, w->speeds, w->y, w->speeds ? NULL : s->start, rates);
+  hk_body_moments_solve(m, w->speeds, rates, push, change);
+  for (size_t j = r->first; j < r->first + r->count; j++) {
+    double moved[3];
+    for (int c = 0; c < 3; c++) moved[c] = hk_dot(s->turn[j] + 3 * c, change);
+    hk_add_scaled(w->y + 3 * (size_t)s->particle[j], 1, moved);
+    most = fmax(most, hk_length(moved));
+  }
+  return most;
+}
+
 static hk_status relax(sweeping *w, size_t e) {
   hk_impact *k = &w->solver->impact[e];
   hk_impact_level *level = level_of(w, k);
   const hk_body_response *response;
   double r[3], change[3] = {0, 0, 0}, free_mobility = 0;
-  relative(r, k, level, w->y);
+  hk_body_relative(w->bodies, w->solver, e, level, w->y, r);
   if (level->push == 0 && !(level->target > hk_dot(r, k->frame.n))) return HK_OK;
   hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
   if (status != HK_OK) return status;
@@ -94,11 +110,13 @@ static hk_status relax(sweeping *w, size_t e) {
   if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
   double mu = hk_body_friction(w->bodies, w->solver, e);
   hk_body_contact_solve(k, level, response->G, mu, r, change);
-  double size = hk_length(change);
-  if (!(size > 0)) return HK_OK;
-  apply(w, response, change);
+  double size = hk_length(change), turned = 0;
+  if (size > 0) apply(w, response, change);
+  if (hk_body_moments_of(w->bodies, e)) turned = turn(w, e, response, level->push);
+  if (!(size > 0 || turned > 0)) return HK_OK;
   note(w, response, w->solver->touched);
-  if (!(size * (response->G[0] + response->G[4] + response->G[8]) > w->tolerance)) return HK_OK;
+  if (turned > w->tolerance) level->solved = 0; /* friction has to answer */
+  if (!(fmax(turned, size * (response->G[0] + response->G[4] + response->G[8])) > w->tolerance)) return HK_OK;
   note(w, response, w->solver->moved);
   w->moved = true;
   return HK_OK;
@@ -147,7 +165,7 @@ static bool some_fall_short(const sweeping *w) {
     const hk_impact_level *level = level_of(w, k);
     double r[3];
     if (!w->bodies->takes_part[e] || !(k->mobility > 0)) continue;
-    relative(r, k, level, w->y);
+    hk_body_relative(w->bodies, w->solver, e, level, w->y, r);
     if (level->target - hk_dot(r, k->frame.n) > w->tolerance) return true;
   }
   return false;
@@ -183,7 +201,7 @@ static void aim(const hk_body_impacts *s, const hk_contact_solver *solver, const
     hk_impact *k = &solver->impact[e];
     const hk_impact_level origin = {.target = 0};
     double r[3];
-    relative(r, k, &origin, x);
+    hk_body_relative(s, solver, e, &origin, x, r);
     k->place.target += hk_dot(r, k->frame.n);
   }
 }
@@ -197,6 +215,10 @@ static hk_status linearise(hk_body_impacts *s, const hk_step_move *m) {
 static void begin_level(hk_body_impacts *s, hk_contact_solver *solver, const double *x, bool speeds) {
   append(s, solver, speeds, solver->tolerance);
   aim(s, solver, x);
+  for (size_t e = 0; e < s->contacts; e++) {
+    if (hk_body_arms_of(s, e)) hk_body_arms_set(&s->arms[e], x, solver->impact[e].frame.n);
+    if (hk_body_moments_of(s, e)) hk_body_moments_set(&s->moments[e], x, solver->impact[e].frame.n);
+  }
   for (size_t e = 0; e < s->contacts; e++)
     s->takes_part[e] = !speeds || solver->impact[e].place.push > 0 || (s->touches && s->touches[e]);
   for (size_t e = 0; e < solver->count; e++) s->response[e].known = false;
@@ -223,13 +245,22 @@ static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) 
 }
 
 static hk_status solve_energy(hk_body_impacts *s, sweeping *w, hk_step_move *m) {
-  hk_body_energy_begin(s, m);
   hk_status status = solve_speeds(s, w, m);
   if (status != HK_OK || !hk_body_energy_grew(s, w->solver, m)) return status;
   hk_body_energy_restart(s, w->solver, m);
   status = solve_speeds(s, w, m);
   if (status == HK_OK) hk_body_energy_blend(s, m);
   return status;
+}
+
+/* Impulses on places turn bodies. Velocities that stayed what they are in space would then be another spin, by half of
+ * the angle times the spin, an error of order 1, as every step does it: they are turned along. */
+static void turn_speeds(const hk_body_impacts *s, const hk_step_move *m) {
+  for (size_t e = 0; e < s->contacts && s->arms; e++)
+    for (int side = 0; side < 2; side++) {
+      const uint32_t *carrier = s->arms[e].side[side].carrier;
+      if (carrier && s->row[e].place.push > 0) hk_body_arms_carry(carrier, s->start, s->before, m->x, m->v);
+    }
 }
 
 /* Room for the contacts and the one-sided equations, whose number is that of the topology. */
@@ -253,8 +284,12 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   if (status == HK_OK) status = make_room(s, given);
   if (status != HK_OK) return status;
   solver.impact = s->row;
+  if (s->moments) w.tolerance *= finer;
   begin_level(s, &solver, m->x, false);
+  memcpy(s->start, m->x, 3 * s->n * sizeof *m->x);
+  memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
   status = sweep_all(&w, &done->sweeps);
+  if (status == HK_OK) turn_speeds(s, m);
   if (status == HK_OK) status = settle(s, m);
   w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
   if (status == HK_OK) status = solve_energy(s, &w, m);

@@ -7,6 +7,7 @@
  * equations, whose solution it leaves as it is. */
 #include "plugins/common/contact/bodies/body_newton.h"
 #include "plugins/common/contact/bodies/body_contact_law.h"
+#include "plugins/common/contact/bodies/impact_response.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
@@ -51,14 +52,26 @@ static void set_axes(const newton *w, const double *y) {
     double r[3], *axis = w->axis + 3 * w->first[k];
     hk_copy(axis, impact->frame.n);
     if (unknowns_of(w, k) == 3) hk_vectors_across(axis, axis + 3, axis + 6);
-    for (int c = 0; c < 3; c++) r[c] = -level->origin[c];
-    for (int i = 0; i < 4; i++) hk_add_scaled(r, impact->frame.w[i], y + 3 * (size_t)impact->pair.vertex[i]);
+    hk_body_relative(w->bodies, w->solver, w->impact[k], level, y, r);
     for (size_t a = 0; a < unknowns_of(w, k); a++) {
       size_t j = w->first[k] + a;
       w->z_0[j] = w->z[j] = a == 0 ? level->push : hk_dot(level->slide, axis + 3 * a);
       w->u_0[j] = hk_dot(r, axis + 3 * a) - (a == 0 ? level->target : 0);
     }
   }
+}
+
+/* G += the arms' part across n of the impact e, for impulses on the one whose columns r are. */
+static void add_arms(const newton *w, size_t e, const hk_body_response *r, double G[9]) {
+  const hk_body_impacts *s = w->bodies;
+  const hk_body_arms *arms = hk_body_arms_of(s, e);
+  double sum[9] = {0};
+  for (int k = 0; k < 2 && arms; k++)
+    for (int i = 0; i < 4 && arms->side[k].carrier; i++) {
+      uint32_t at = s->place[arms->side[k].carrier[i]];
+      for (int c = 0; c < 9 && at; c++) sum[c] += arms->side[k].weight[i] * s->block[r->first + at - 1][c];
+    }
+  hk_body_arms_across(sum, w->solver->impact[e].frame.n, G);
 }
 
 /* The columns of D of impact f: how the others' points move by its impulses. */
@@ -73,6 +86,7 @@ static void find_columns(const newton *w, size_t f) {
       uint32_t at = s->place[k->pair.vertex[i]];
       for (int c = 0; c < 9 && at && k->frame.w[i] != 0; c++) G[c] += k->frame.w[i] * s->block[r->first + at - 1][c];
     }
+    if (hk_body_arms_of(s, w->impact[e])) add_arms(w, w->impact[e], r, G);
     for (size_t a = 0; a < unknowns_of(w, e); a++)
       for (size_t b = 0; b < unknowns_of(w, f); b++) {
         double moved[3];

@@ -1,8 +1,18 @@
 /* The columns U of an impact, found when it first needs an impulse: of the particles of the bodies that its four
  * particles are of, and of those of the four that are in none. */
 #include "plugins/common/contact/bodies/impact_response.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
+
+void hk_body_relative(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e, const hk_impact_level *level,
+                      const double *y, double out[3]) {
+  const hk_impact *k = &solver->impact[e];
+  const hk_body_arms *arms = hk_body_arms_of(s, e);
+  for (int c = 0; c < 3; c++) out[c] = -level->origin[c];
+  for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
+  if (arms) hk_body_arms_add(arms, y, k->frame.n, out);
+}
 
 static uint32_t body_of(const hk_body_impacts *s, uint32_t particle) {
   return s->count ? s->bodies->of(s->bodies->self, particle) : UINT32_MAX;
@@ -33,7 +43,9 @@ static hk_status make_room(hk_body_impacts *s, size_t more) {
   room += room / 2;
   uint32_t *particle = s->host->allocate(s->host, room * sizeof *particle);
   double(*block)[9] = s->host->allocate(s->host, room * sizeof *block);
-  if (!particle || !block) {
+  double(*turn)[9] = s->host->allocate(s->host, room * sizeof *turn);
+  if (!particle || !block || !turn) {
+    s->host->release(s->host, turn);
     s->host->release(s->host, particle);
     s->host->release(s->host, block);
     return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the response of %zu particles to impacts", room);
@@ -41,11 +53,14 @@ static hk_status make_room(hk_body_impacts *s, size_t more) {
   if (s->used) {
     memcpy(particle, s->particle, s->used * sizeof *particle);
     memcpy(block, s->block, s->used * sizeof *block);
+    memcpy(turn, s->turn, s->used * sizeof *turn);
   }
   s->host->release(s->host, s->particle);
   s->host->release(s->host, s->block);
+  s->host->release(s->host, s->turn);
   s->particle = particle;
   s->block = block;
+  s->turn = turn;
   s->room = room;
   return HK_OK;
 }
@@ -68,20 +83,102 @@ static hk_status list_particles(hk_body_impacts *s, const hk_impact *k, hk_body_
   return HK_OK;
 }
 
-/* s->column = the changes by a unit impulse along the axis c. */
-static hk_status find_column(hk_body_impacts *s, const hk_impact *k, const double *inverse_mass, int c) {
-  hk_weighted_point point;
+/* The point of one side of an impact: where it is rubbed, on the carriers of its body, or where its particles are. */
+static hk_weighted_point point_of(const hk_body_impacts *s, const hk_impact *k, const hk_body_arms *arms, int side) {
+  int split = hk_pair_split(k->pair.kind), first = side == 0 ? 0 : split, last = side == 0 ? split : 4;
+  const hk_body_arm *arm = &arms->side[side];
+  uint32_t any = k->pair.vertex[first];
+  hk_weighted_point p = {{any, any, any, any}, {0}};
+  for (int i = first; i < last; i++) {
+    if (!arm->carrier) p.particle[i - first] = k->pair.vertex[i], p.weight[i - first] = k->frame.w[i];
+    if (!arm->carrier || k->frame.w[i] == 0) continue;
+    const hk_rider *r = hk_model_rider(s->model, k->pair.vertex[i]);
+    for (int c = 0; c < 4; c++) p.weight[c] += k->frame.w[i] * r->weight[c];
+  }
+  for (int c = 0; c < 4 && arm->carrier; c++) p.particle[c] = arm->carrier[c], p.weight[c] += arm->weight[c];
+  return p;
+}
+
+/* s->column = the changes by a unit impulse along the axis c at the point. */
+static hk_status find_column(hk_body_impacts *s, const hk_weighted_point *point, const double *inverse_mass, int c) {
   double unit[3] = {0, 0, 0};
   unit[c] = 1;
-  for (int i = 0; i < 4; i++) {
-    point.particle[i] = k->pair.vertex[i];
-    point.weight[i] = k->frame.w[i];
-    memset(s->column + 3 * (size_t)k->pair.vertex[i], 0, 3 * sizeof *s->column);
-  }
+  for (int i = 0; i < 4; i++) memset(s->column + 3 * (size_t)point->particle[i], 0, 3 * sizeof *s->column);
   for (int i = 0; i < 4; i++)
-    if (body_of(s, k->pair.vertex[i]) == UINT32_MAX)
-      s->column[3 * (size_t)k->pair.vertex[i] + (size_t)c] += k->frame.w[i] * inverse_mass[k->pair.vertex[i]];
-  return s->count ? s->bodies->respond(s->bodies->self, &point, unit, s->column) : HK_OK;
+    if (body_of(s, point->particle[i]) == UINT32_MAX)
+      s->column[3 * (size_t)point->particle[i] + (size_t)c] += point->weight[i] * inverse_mass[point->particle[i]];
+  return s->count ? s->bodies->respond(s->bodies->self, point, unit, s->column) : HK_OK;
+}
+
+/* Adds the columns of a point to the blocks. */
+static hk_status add_columns(hk_body_impacts *s, const hk_body_response *r, const hk_weighted_point *point,
+                             const double *inverse_mass) {
+  hk_status status = HK_OK;
+  for (int c = 0; c < 3 && status == HK_OK; c++) {
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      memset(s->column + 3 * (size_t)s->particle[j], 0, 3 * sizeof *s->column);
+    status = find_column(s, point, inverse_mass, c);
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      for (int row = 0; row < 3; row++) s->block[j][3 * row + c] += s->column[3 * (size_t)s->particle[j] + (size_t)row];
+  }
+  return status;
+}
+
+static hk_status find_blocks(hk_body_impacts *s, const hk_impact *k, const hk_body_arms *arms,
+                             const hk_body_response *r, const double *inverse_mass) {
+  hk_status status = HK_OK;
+  hk_weighted_point point;
+  memset(s->block + r->first, 0, r->count * sizeof *s->block);
+  for (int side = 0; side < 2 && arms && status == HK_OK; side++) {
+    point = point_of(s, k, arms, side);
+    if (point.weight[0] == 0 && point.weight[1] == 0 && point.weight[2] == 0 && point.weight[3] == 0) continue;
+    status = add_columns(s, r, &point, inverse_mass);
+  }
+  if (arms) return status;
+  memcpy(point.particle, k->pair.vertex, sizeof point.particle);
+  memcpy(point.weight, k->frame.w, sizeof point.weight);
+  return add_columns(s, r, &point, inverse_mass);
+}
+
+/* s->turn = the changes by unit moments about the axes. */
+static hk_status find_turns(hk_body_impacts *s, const hk_body_response *r, hk_body_moments *m) {
+  hk_status status = HK_OK;
+  for (int a = 0; a < 3 && status == HK_OK; a++) {
+    hk_weighted_point point;
+    memcpy(point.particle, m->carrier, sizeof point.particle);
+    memcpy(point.weight, m->weight[a], sizeof point.weight);
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      memset(s->column + 3 * (size_t)s->particle[j], 0, 3 * sizeof *s->column);
+    status = s->bodies->respond(s->bodies->self, &point, m->push[a], s->column);
+    for (size_t j = r->first; j < r->first + r->count; j++)
+      for (int c = 0; c < 3; c++) s->turn[j][3 * c + a] = s->column[3 * (size_t)s->particle[j] + (size_t)c];
+    double sum[3] = {0, 0, 0};
+    for (int c = 0; c < 4; c++) hk_add_scaled(sum, m->weight[a][c], s->column + 3 * (size_t)m->carrier[c]);
+    m->inverse_inertia[a] = hk_dot(m->push[a], sum);
+  }
+  return status;
+}
+
+/* The row of the particle in the response; NULL: it is not in it. */
+static const double *block_of(const hk_body_impacts *s, const hk_body_response *r, uint32_t particle) {
+  for (size_t j = r->first; j < r->first + r->count; j++)
+    if (s->particle[j] == particle) return s->block[j];
+  return NULL;
+}
+
+static void find_matrix(const hk_body_impacts *s, const hk_impact *k, const hk_body_arms *arms, hk_body_response *r) {
+  double sum[9] = {0};
+  memset(r->G, 0, sizeof r->G);
+  for (int i = 0; i < 4; i++) {
+    const double *block = k->frame.w[i] != 0 ? block_of(s, r, k->pair.vertex[i]) : NULL;
+    for (int c = 0; c < 9 && block; c++) r->G[c] += k->frame.w[i] * block[c];
+  }
+  for (int side = 0; side < 2 && arms; side++)
+    for (int i = 0; i < 4 && arms->side[side].carrier; i++) {
+      const double *block = block_of(s, r, arms->side[side].carrier[i]);
+      for (int c = 0; c < 9 && block; c++) sum[c] += arms->side[side].weight[i] * block[c];
+    }
+  if (arms) hk_body_arms_across(sum, k->frame.n, r->G);
 }
 
 hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *solver, const hk_step_move *move, size_t e,
@@ -91,15 +188,9 @@ hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *sol
   *out = r;
   if (r->known) return HK_OK;
   hk_status status = list_particles(s, k, r);
-  memset(r->G, 0, sizeof r->G);
-  for (int c = 0; c < 3 && status == HK_OK; c++) {
-    status = find_column(s, k, move->inverse_mass, c);
-    for (size_t j = r->first; j < r->first + r->count; j++)
-      for (int row = 0; row < 3; row++) s->block[j][3 * row + c] = s->column[3 * (size_t)s->particle[j] + (size_t)row];
-    for (int i = 0; i < 4; i++)
-      for (int row = 0; row < 3; row++)
-        r->G[3 * row + c] += k->frame.w[i] * s->column[3 * (size_t)k->pair.vertex[i] + (size_t)row];
-  }
+  if (status == HK_OK) status = find_blocks(s, k, hk_body_arms_of(s, e), r, move->inverse_mass);
+  if (status == HK_OK && hk_body_moments_of(s, e)) status = find_turns(s, r, hk_body_moments_of(s, e));
+  if (status == HK_OK) find_matrix(s, k, hk_body_arms_of(s, e), r);
   k->mobility = 0;
   for (int row = 0; row < 3; row++)
     for (int c = 0; c < 3; c++) k->mobility += k->frame.n[row] * r->G[3 * row + c] * k->frame.n[c];

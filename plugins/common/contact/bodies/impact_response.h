@@ -8,4 +8,8 @@
 hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, const hk_step_move *, size_t e,
                                 const hk_body_response **);
 
+/* The difference of both sides of impact e where they touch, less the level's origin; y = x or v, n x 3. */
+void hk_body_relative(const hk_body_impacts *, const hk_contact_solver *, size_t e, const hk_impact_level *,
+                      const double *y, double out[3]);
+
 #endif

@@ -128,11 +128,11 @@ static void collides(double mu, double angular) {
   assert_true(test_json(r.out, "speed") > 0.2);
 }
 
-/* What touches is a thickness apart, and friction acts at both points: it turns by its impulse times the thickness. */
+/* What touches is a thickness apart, and both sides are rubbed in the middle. */
 static void momenta_are_kept(void **state) {
   (void)state;
   collides(0, 1e-7);
-  collides(0.3, 0.002 * 0.3);
+  collides(0.3, 1e-7);
 }
 
 /* A box falls onto another one and both onto the floor. */
@@ -176,18 +176,74 @@ static void a_box_falls_into_cloth(void **state) {
   assert_true(test_json(r.out, "intersections") == 0);
 }
 
+/* 5/7 of its speed, with the floor's half of the thickness below it. */
+static double rolls(double dt) {
+  char text[1024];
+  snprintf(text, sizeof text,
+           "%slocal b = scene:rigid { shape = 'sphere', radius = 0.1, mass = 2, position = {0, 0, 0.1}, velocity = {1, "
+           "0, 0} }\nb:surface { {0, 0, 0} } fall()\n"
+           "scene:corrector('contact', { radius = 0.1, friction = 0.2 })\n"
+           "measure('speed', function(s) return b:velocity(s)[1] - 5 / 7 end)\n"
+           "measure('slip', function(s) return b:velocity(s)[1] - 0.1 * b:spin(s)[2] end)",
+           floor_of);
+  run(1.2, dt, text);
+  small("slip", 1e-12);
+  return test_json(r.out, "speed");
+}
+
+static void a_ball_that_slides_rolls_at_five_sevenths(void **state) {
+  (void)state;
+  double long_steps = rolls(2e-3), short_steps = rolls(1e-3);
+  print_message("off 5/7 by %.3g and %.3g m/s\n", long_steps, short_steps);
+  assert_true(fabs(short_steps) < 1e-8 && fabs(long_steps) < 8e-8);
+  assert_true(strstr(r.out, "\"warnings\":[]") != NULL);
+}
+
+/* One ball slides along another one: with J = (1 + e)/2 m u.n the impulse mu J across n gives both the spin 5/2 mu J/(m
+ * R), so slow that it goes on sliding; momenta are kept. */
+static void balls_rub_each_other_at_their_surfaces(void **state) {
+  (void)state;
+  run(0.2, 2.5e-4,
+      "local R, d, u, mu = 0.1, {-0.3, 0.12, 0}, 2, 0.1\n"
+      "local a = scene:rigid { shape = 'sphere', radius = R, mass = 1, position = d, velocity = {u, 0, 0} }\n"
+      "local b = scene:rigid { shape = 'sphere', radius = R, mass = 1 }\n"
+      "a:surface { {0, 0, 0} } b:surface { {0, 0, 0} }\n"
+      "scene:corrector('contact', { radius = R, restitution = 0.8, friction = mu })\n"
+      "local J, w = 0.9 * u * 0.8, 2.5 / R * mu\n" /* u.n = -0.8 u */
+      "measure('spin', function(s) return abs(abs(a:spin(s)[3]) - w * J) + abs(a:spin(s)[3] - b:spin(s)[3]) end)\n"
+      "measure('speed', function(s) local v = b:velocity(s)\n"
+      "  return abs(v[1] - J * (0.8 + mu * 0.6)) + abs(v[2] - J * (-0.6 + mu * 0.8)) end)\n"
+      "local o, L = {0, 0, 0}\nmeasure('angular', function(s)\n"
+      "  local p, q = a:angular_momentum(s, o), b:angular_momentum(s, o); L = L or p[3] + q[3]\n"
+      "  return p[3] + q[3] - L end)");
+  small("spin", 1e-6);
+  small("speed", 1e-6);
+  small("angular", 1e-9);
+}
+
 /* The impulse acts at its centre, which friction does not turn. */
-static void a_ball_that_is_one_point_is_told_of_friction(void **state) {
+static void a_round_point_of_a_flat_body_is_told_of_friction(void **state) {
   (void)state;
   for (int mu = 0; mu < 2; mu++) {
     char text[512];
     snprintf(text, sizeof text,
-             "scene:rigid { shape = 'sphere', radius = 0.1, mass = 1 }:surface { {0, 0, 0} }\n"
+             "scene:rigid { points = { {0, 0, 0}, {1, 0, 0}, {0, 1, 0} }, masses = {1, 1, 1} }:surface { {0, 0, 0} }\n"
              "scene:corrector('contact', { radius = 0.1, friction = %d })",
              mu);
     run(0.01, 1e-3, text);
-    assert_true((strstr(r.out, "is rubbed at its centre: particle 5") != NULL) == (mu > 0));
+    assert_true((strstr(r.out, "is rubbed at its centre: particle 4") != NULL) == (mu > 0));
   }
+}
+
+static void balls_that_start_in_each_other_are_refused(void **state) {
+  (void)state;
+  test_write("overlap.lua", "local scene = hooke.scene { duration = 0.1, dt = 1e-3 }\n"
+                            "for k = 0, 1 do scene:rigid { shape = 'sphere', radius = 0.1, mass = 1, position = "
+                            "{0.15 * k, 0, 0} }:surface { {0, 0, 0} } end\n"
+                            "scene:corrector('contact', { radius = 0.1 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run overlap.lua --json --quiet --no-output");
+  assert_int_not_equal(r.code, 0);
+  assert_non_null(strstr(r.err, "rigid bodies overlap at the start, by 0.05 m (particle 5 and particle 10)"));
 }
 
 int main(void) {
@@ -198,7 +254,10 @@ int main(void) {
       cmocka_unit_test(momenta_are_kept),
       cmocka_unit_test(energy_does_not_rise),
       cmocka_unit_test(a_box_falls_into_cloth),
-      cmocka_unit_test(a_ball_that_is_one_point_is_told_of_friction),
+      cmocka_unit_test(a_ball_that_slides_rolls_at_five_sevenths),
+      cmocka_unit_test(balls_rub_each_other_at_their_surfaces),
+      cmocka_unit_test(balls_that_start_in_each_other_are_refused),
+      cmocka_unit_test(a_round_point_of_a_flat_body_is_told_of_friction),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
