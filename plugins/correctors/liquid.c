@@ -24,6 +24,7 @@ typedef struct liquid {
   double reached; /* s, the end of the last step */
   int64_t slot, said;
   uint32_t *index;
+  double (*came)[6]; /* x and v of those as they came, to know whether they change */
   size_t count;
   hk_liquid method;
   const hk_host *host;
@@ -68,8 +69,10 @@ static const hk_field fields[] = {
 
 static hk_status choose(liquid *s, const hk_view *view) {
   s->host->release(s->host, s->index);
+  s->host->release(s->host, s->came);
   s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
-  if (!s->index) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
+  if (!s->index || !s->came) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   const hk_model *model = view->model;
   size_t listed = s->particles.count ? s->particles.count : view->n;
   s->count = 0;
@@ -172,6 +175,25 @@ static void say(liquid *s, const hk_view *view, double courant) {
                   100 * off, view->t);
 }
 
+/* The particles are where they were before the step, with the velocities that forces have given them in it. */
+static void begin(liquid *s, hk_correction *c) {
+  for (size_t k = 0; k < s->count; k++) {
+    size_t i = 3 * (size_t)s->index[k];
+    memcpy(s->came[k], c->x + i, 3 * sizeof(double));
+    memcpy(s->came[k] + 3, c->v + i, 3 * sizeof(double));
+    memcpy(c->x + i, c->x_before + i, 3 * sizeof(double));
+  }
+}
+
+static bool changed(const liquid *s, const hk_correction *c) {
+  for (size_t k = 0; k < s->count; k++) {
+    size_t i = 3 * (size_t)s->index[k];
+    if (memcmp(s->came[k], c->x + i, 3 * sizeof(double)) || memcmp(s->came[k] + 3, c->v + i, 3 * sizeof(double)))
+      return true;
+  }
+  return false;
+}
+
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   liquid *s = self;
   hk_liquid *m = &s->method;
@@ -184,8 +206,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->reached = view->t;
   double *before = s->affine + (s->slot ? 0 : 9), *after = s->affine + (s->slot ? 9 : 0);
   hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, before, 18};
-  for (size_t k = 0; k < s->count; k++)
-    memcpy(c->x + 3 * (size_t)s->index[k], c->x_before + 3 * (size_t)s->index[k], 3 * sizeof(double));
+  begin(s, c);
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
@@ -196,7 +217,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
   hk_liquid_move(m, &p, c->h);
-  c->changed = s->count > 0;
+  c->changed = changed(s, c);
   say(s, view, courant);
   return HK_OK;
 }

@@ -178,17 +178,27 @@ static void take_means(hk_pressure *p) {
   }
 }
 
+static double largest_of(const double *v, size_t rows) {
+  double most = 0;
+  for (size_t i = 0; i < rows; i++) most = fmax(most, fabs(v[i]));
+  return most;
+}
+
+/* The residual of the first guess, which is dropped where it is worse than none. Returns its largest number. */
+static double begin(hk_pressure *p) {
+  for (size_t i = 0; i < p->rows; i++) p->r[i] = p->b[i] - times(p, p->x, i);
+  double most = largest_of(p->r, p->rows), without = largest_of(p->b, p->rows);
+  if (most < without) return most;
+  memset(p->x, 0, p->rows * sizeof(double));
+  memcpy(p->r, p->b, p->rows * sizeof(double));
+  return without;
+}
+
 bool hk_pressure_solve(hk_pressure *p, double tolerance) {
   p->iterations = 0;
   if (p->rows == 0) return true;
   take_means(p);
-  double bound = 0, most = 0;
-  for (size_t i = 0; i < p->rows; i++) {
-    p->r[i] = p->b[i] - times(p, p->x, i);
-    bound = fmax(bound, fabs(p->b[i]));
-    most = fmax(most, fabs(p->r[i]));
-  }
-  bound *= tolerance;
+  double bound = tolerance * largest_of(p->b, p->rows), most = begin(p);
   memset(p->s, 0, p->rows * sizeof(double));
   double before = 0;
   task t = {.p = p};
