@@ -1,0 +1,197 @@
+/* The corrector liquid in whole runs: water at rest stays at rest, a standing wave has the frequency of theory, volume is
+ * kept, particles stay out of walls, threads do not change bits, and what cannot be is refused with a sentence. */
+#include "tests/support/engine.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const double g = 9.81, pi = 3.14159265358979323846;
+
+static uint64_t bits;
+
+/* 0 to 1. */
+static double draw(void) {
+  bits = bits * 6364136223846793005u + 1442695040888963407u;
+  return (double)(bits >> 11) * 0x1p-53;
+}
+
+typedef struct tank {
+  test_engine e;
+  hk_plugin_spec *liquid;
+  size_t n;
+} tank;
+
+/* A plane tank 1 m wide and `top` high of cells of the size h, under gravity. */
+static void open_tank(tank *k, double h, double top, double dt) {
+  bits = 7;
+  k->n = 0;
+  test_engine_open(&k->e);
+  k->e.options.integrator = "symplectic_euler";
+  k->e.options.dt = dt;
+  hk_plugin_spec *gravity = test_plugin(&k->e, HK_FORCE, "gravity");
+  test_vector(&k->e, gravity, "g", 0, 0, -g);
+  k->liquid = test_plugin(&k->e, HK_CORRECTOR, "liquid");
+  test_vector(&k->e, k->liquid, "low", 0, 0, 0);
+  test_vector(&k->e, k->liquid, "high", 1, 0, top);
+  test_number(&k->e, k->liquid, "cell", h);
+}
+
+/* Water below depth + amplitude cos(pi x), from `from` on along x. */
+static void pour(tank *k, double h, double from, double to, double depth, double amplitude) {
+  double s = h / 2;
+  for (int i = (int)(from / s + 0.5); i < (int)(to / s + 0.5); i++)
+    for (int j = 0; j < (int)((depth + amplitude) / s + 1.5); j++) {
+      double x = (i + draw()) * s, z = (j + draw()) * s;
+      if (z < depth + amplitude * cos(pi * x)) test_particle(&k->e, x, 0, z, 1000 * s * s * h), k->n++;
+    }
+}
+
+static double fastest(tank *k) {
+  double most = 0;
+  for (uint32_t id = 1; id <= k->n; id++)
+    for (int c = 0; c < 3; c++) most = fmax(most, fabs(test_velocity(&k->e, id)[c]));
+  return most;
+}
+
+/* A full box after 1,000 steps, in each of which gravity gives 0.05 m/s. */
+static void a_full_box_is_at_rest(void **state) {
+  (void)state;
+  tank k;
+  const double h = 1 / 8.0, dt = 0.005;
+  open_tank(&k, h, 0.5, dt);
+  test_number(&k.e, k.liquid, "tolerance", 1e-11);
+  pour(&k, h, 0, 1, 0.5 - h / 4, 0);
+  test_run(&k.e);
+  test_advance(&k.e, 1000 * dt);
+  double speed = fastest(&k);
+  if (!(speed < 1e-10)) fail_msg("%.3g m/s", speed);
+  test_engine_close(&k.e);
+}
+
+/* With a surface that the random places of particles make uneven by a part of a cell, waves of h, as high as a tenth of it,
+ * at first: sqrt(g h) 0.1 = 0.08 m/s. */
+static void a_calm_surface_stays_calm(void **state) {
+  (void)state;
+  tank k;
+  const double h = 1 / 16.0;
+  open_tank(&k, h, 1, 0.01);
+  pour(&k, h, 0, 1, 0.5, 0);
+  test_run(&k.e);
+  test_advance(&k.e, 3);
+  double height = 0;
+  for (uint32_t id = 1; id <= k.n; id++) height += test_position(&k.e, id)[2] / (double)k.n;
+  assert_true(fastest(&k) < 0.08);
+  assert_true(fabs(height - 0.25) < 0.0025); /* 1 % of the volume */
+  test_engine_close(&k.e);
+}
+
+static double mode_of(tank *k) {
+  double sum = 0;
+  for (uint32_t id = 1; id <= k->n; id++) sum += cos(pi * test_position(&k->e, id)[0]);
+  return sum / (double)k->n;
+}
+
+/* sqrt(g k tanh(k d)): the times at which the wave is level. With 16 cells across, half a wavelength, noise of the
+ * surface of a tenth of a cell is 4 % of the wave and 1 % of its phase, over two periods 0.1 % of the frequency; the first
+ * step's half, h w/2, and the amplitude, (k a)^2/2, come to 1 %. */
+static void a_standing_wave_has_the_frequency_of_theory(void **state) {
+  (void)state;
+  static const char *const transfers[] = {"apic", "flip"};
+  for (int t = 0; t < 2; t++) {
+    tank k;
+    const double h = 1 / 16.0, dt = 0.005, w = sqrt(g * pi * tanh(pi * 0.5));
+    double crossing[8], before = 1;
+    size_t count = 0;
+    open_tank(&k, h, 1, dt);
+    test_text(&k.e, k.liquid, "transfer", transfers[t]);
+    pour(&k, h, 0, 1, 0.5, 0.04);
+    test_run(&k.e);
+    for (int step = 1; count < 5; step++) {
+      assert_true(step < 800);
+      test_advance(&k.e, step * dt);
+      double now = mode_of(&k);
+      if (before * now < 0) crossing[count++] = (step - 1 + before / (before - now)) * dt;
+      before = now;
+    }
+    double found = pi * 4 / (crossing[4] - crossing[0]);
+    if (!(fabs(found / w - 1) < 0.02)) fail_msg("%s: %.5f instead of %.5f 1/s", transfers[t], found, w);
+    test_engine_close(&k.e);
+  }
+}
+
+/* A column collapses, and after three seconds of splashing the water covers the floor as high as its volume says. */
+static void a_dam_break_keeps_volume_and_walls(void **state) {
+  (void)state;
+  tank k;
+  const double h = 1 / 20.0;
+  open_tank(&k, h, 1, 0.01);
+  hk_plugin_spec *step = test_plugin(&k.e, HK_CORRECTOR, "obstacle");
+  test_text(&k.e, step, "shape", "sphere");
+  test_vector(&k.e, step, "size", 0.3, 0.3, 0.3);
+  test_vector(&k.e, step, "position", 0.7, 0, 0);
+  pour(&k, h, 0, 0.4, 0.8, 0);
+  test_run(&k.e);
+  const hk_instance *liquid = test_instance(&k.e, k.liquid);
+  for (int i = 1; i <= 10; i++) {
+    test_advance(&k.e, 0.5 * i);
+    double beyond = liquid->plugin->corrector->violation(liquid->self, hk_run_view(k.e.run));
+    if (!(beyond < 1e-9)) fail_msg("%.3g m in a wall at t = %g s", beyond, 0.5 * i);
+  }
+  double height = 0;
+  for (uint32_t id = 1; id <= k.n; id++) height += test_position(&k.e, id)[2] / (double)k.n;
+  /* 0.32 m^2 of water about half a disc of 0.15: 0.3553 m deep, its centre of mass at 0.194 m; 3 % for what still moves */
+  if (!(fabs(height / 0.194 - 1) < 0.03)) fail_msg("the centre of mass is at %.4f m", height);
+  test_engine_close(&k.e);
+}
+
+static void threads_do_not_change_bits(void **state) {
+  (void)state;
+  double last[2][3];
+  for (int t = 0; t < 2; t++) {
+    tank k;
+    open_tank(&k, 1 / 32.0, 1, 0.005);
+    k.e.options.threads = t ? 3 : 1;
+    pour(&k, 1 / 32.0, 0, 0.5, 0.9, 0);
+    test_run(&k.e);
+    test_advance(&k.e, 0.1);
+    memcpy(last[t], test_position(&k.e, (uint32_t)k.n / 2), sizeof last[t]);
+    test_engine_close(&k.e);
+  }
+  assert_memory_equal(last[0], last[1], sizeof last[0]);
+}
+
+static void refused(tank *k, const char *sentence) {
+  assert_int_equal(hk_run_open(k->e.scene, &k->e.options, &k->e.run, &k->e.error), HK_BAD_PARAM);
+  if (!strstr(k->e.error.text, sentence)) fail_msg("'%s' in: %s", sentence, k->e.error.text);
+  test_engine_close(&k->e);
+}
+
+static void what_cannot_be_is_refused(void **state) {
+  (void)state;
+  tank k;
+  open_tank(&k, 0.1, 1, 0.01);
+  test_particle(&k.e, 1.5, 0, 0.5, 1);
+  refused(&k, "particle 1 is outside the box, at x = 1.5 m where it goes from 0 to 1: move it");
+  open_tank(&k, 0.1, -1, 0.01);
+  test_particle(&k.e, 0.5, 0, 0, 1);
+  refused(&k, "the liquid has no room");
+  open_tank(&k, 1e-6, 1, 0.01);
+  test_particle(&k.e, 0.5, 0, 0.5, 1);
+  refused(&k, "take larger cells or a smaller box");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_full_box_is_at_rest),
+      cmocka_unit_test(a_calm_surface_stays_calm),
+      cmocka_unit_test(a_standing_wave_has_the_frequency_of_theory),
+      cmocka_unit_test(a_dam_break_keeps_volume_and_walls),
+      cmocka_unit_test(threads_do_not_change_bits),
+      cmocka_unit_test(what_cannot_be_is_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
