@@ -22,10 +22,11 @@ typedef struct liquid {
   double *full;   /* n */
   hk_array guess; /* m^2/s, the last pressure, on the grid */
   double reached; /* s, the end of the last step */
+  double longest; /* s, of the steps */
   int64_t slot, said;
   uint32_t *index;
-  double (*came)[6]; /* x and v of those as they came, to know whether they change */
-  size_t count;
+  double (*came)[6];       /* x and v of those as they came, to know whether they change */
+  size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
   const hk_host *host;
 } liquid;
@@ -61,6 +62,7 @@ static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
+    {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
     {"slot", .integer = HK_AT(liquid, slot)},
     {"said", .integer = HK_AT(liquid, said)},
@@ -123,8 +125,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM,
                       "there are no particles that could be a liquid and say how large cells are: "
                       "give `cell`");
-  status = check_start(s, view);
-  if (status != HK_OK) return status;
   hk_liquid *m = &s->method;
   m->host = host;
   m->transfer = (hk_liquid_transfer)s->transfer;
@@ -133,11 +133,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->tolerance = s->tolerance;
   double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
+  if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
   m->obstacles = all->set;
+  s->obstacles = all->set->count;
   s->reached = view->t;
   return hk_liquid_open(m, host, s->count);
 }
@@ -197,6 +199,11 @@ static bool changed(const liquid *s, const hk_correction *c) {
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   liquid *s = self;
   hk_liquid *m = &s->method;
+  if (m->obstacles->count > s->obstacles)
+    return s->host->fail(
+        s->host, HK_BAD_PARAM,
+        "obstacles come after the liquid in the scene, and would strike particles that its pressure has "
+        "moved: put the corrector liquid behind all obstacles");
   double courant = courant_of(s, c);
   if (courant > s->courant && !c->last) {
     c->reject = true;
@@ -204,6 +211,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   }
   if (view->t - c->h >= s->reached - 1e-9 * c->h) s->slot = 1 - s->slot;
   s->reached = view->t;
+  s->longest = fmax(s->longest, c->h);
   double *before = s->affine + (s->slot ? 0 : 9), *after = s->affine + (s->slot ? 9 : 0);
   hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, before, 18};
   begin(s, c);
@@ -212,7 +220,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
   hk_status status = hk_liquid_project(m, s->guess.item);
-  if (status == HK_OK && s->even) status = hk_liquid_even(m);
+  if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);

@@ -71,8 +71,9 @@ void hk_liquid_walls(hk_liquid *);
  * message. */
 hk_status hk_liquid_project(hk_liquid *, double *guess);
 /* The displacement that takes denser and thinner places to the density: with q as a pressure, its divergence is the
- * part by which a cell is too full (Kugelstadt, Longva, Thuerey, Bender 2019, Implicit density projection, eq. 10). */
-hk_status hk_liquid_even(hk_liquid *);
+ * part by which a cell is too full (Kugelstadt, Longva, Thuerey, Bender 2019, Implicit density projection, eq. 10), of
+ * which a quarter is made up for in a step; `part`, in (0, 1]: the step's length by that of the longest. */
+hk_status hk_liquid_even(hk_liquid *, double part);
 /* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells. */
 void hk_liquid_extend(hk_liquid *, int layers);
 /* Velocities of the particles from the grid, and the affine part, laid out as that of before; `full`, n: the part of

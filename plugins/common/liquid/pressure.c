@@ -194,11 +194,12 @@ static double begin(hk_pressure *p) {
   return without;
 }
 
-bool hk_pressure_solve(hk_pressure *p, double tolerance) {
+bool hk_pressure_solve(hk_pressure *p, double tolerance, double floor) {
   p->iterations = 0;
   if (p->rows == 0) return true;
+  double bound = fmax(floor, tolerance * largest_of(p->b, p->rows));
   take_means(p);
-  double bound = tolerance * largest_of(p->b, p->rows), most = begin(p);
+  double most = begin(p);
   memset(p->s, 0, p->rows * sizeof(double));
   double before = 0;
   task t = {.p = p};

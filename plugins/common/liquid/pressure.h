@@ -28,8 +28,8 @@ hk_status hk_pressure_open(hk_pressure *, const hk_host *, size_t most);
 void hk_pressure_close(hk_pressure *);
 /* The factors of the matrix whose numbers and neighbours have been set. */
 void hk_pressure_factorize(hk_pressure *);
-/* Solves for x to |r| <= tolerance |b| (largest numbers). Of a part that no surface touches, whose matrix is singular,
- * the mean of b is taken away first. False: it was not reached. */
-bool hk_pressure_solve(hk_pressure *, double tolerance);
+/* Solves for x to |r| <= tolerance |b|, or to `floor`, what rounding of b comes to (largest numbers). Of a part that no
+ * surface touches, whose matrix is singular, the mean of b is taken away. False: it was not reached. */
+bool hk_pressure_solve(hk_pressure *, double tolerance, double floor);
 
 #endif

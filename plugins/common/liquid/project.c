@@ -6,10 +6,11 @@
 
 enum { GRAIN = 2048 };
 
-static const double nearest = 0.01;  /* of the way between two centres: the surface is no nearer to one of them */
-static const double even_to = 1e-3;  /* the residual of the displacement, which is small itself */
-static const double at_once = 0.25;  /* of what the density is off, per step */
-static const double most_push = 0.1; /* of a cell */
+static const double nearest = 0.01;      /* of the way between two centres: the surface is no nearer to one of them */
+static const double even_to = 1e-3;      /* the residual of the displacement, which is small itself */
+static const double least_excess = 1e-7; /* is not evened */
+static const double at_once = 0.25;      /* of what the density is off, in a longest step */
+static const double most_push = 0.1;     /* of a cell */
 
 /* The part of the way from a cell of the liquid to one beyond the surface where the surface is. */
 static double part_to_surface(const hk_liquid_grid *g, size_t in, size_t out) {
@@ -93,7 +94,7 @@ static double slope_across(const hk_liquid *l, int c, size_t i) {
 
 typedef struct task {
   hk_liquid *l;
-  bool displaces;
+  double part; /* of the displacement; 0: velocities change */
 } task;
 
 /* Rows of faces: pressure acts, closed faces have the wall's velocity. known: the liquid's faces, and those that carry
@@ -109,8 +110,8 @@ static void act_rows(void *context, size_t begin, size_t end, size_t piece) {
       for (int c = 0; c < 3; c++) {
         bool open = g->open[c][i] > 0;
         double slope = open ? slope_across(t->l, c, i) : 0;
-        if (t->displaces) {
-          double push = -at_once * slope, most = most_push * g->spacing[c];
+        if (t->part > 0) {
+          double push = -at_once * t->part * slope, most = most_push * g->spacing[c];
           g->push[c][i] = fmax(-most, fmin(most, push));
           continue;
         }
@@ -121,9 +122,18 @@ static void act_rows(void *context, size_t begin, size_t end, size_t piece) {
   }
 }
 
-static void act(hk_liquid *l, bool displaces) {
-  task t = {l, displaces};
+static void act(hk_liquid *l, double part) {
+  task t = {l, part};
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 1), 16, act_rows, &t);
+}
+
+/* 1/s, of the divergence, a sum of differences of six velocities. */
+static double rounding_of(const hk_liquid *l) {
+  const hk_liquid_grid *g = &l->grid;
+  double most = 0;
+  for (size_t k = 0; k < l->pressure.rows; k++)
+    for (int c = 0; c < 3; c++) most = fmax(most, fabs(g->u[c][l->pressure.cell[k]]) / g->spacing[c]);
+  return 1e-15 * most;
 }
 
 hk_status hk_liquid_project(hk_liquid *l, double *guess) {
@@ -136,7 +146,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
     p->b[k] = -divergence(g, p->cell[k]);
     p->x[k] = guess[p->cell[k]];
   }
-  if (!hk_pressure_solve(p, l->tolerance))
+  if (!hk_pressure_solve(p, l->tolerance, rounding_of(l)))
     return l->host->fail(
         l->host, HK_NOT_CONVERGED,
         "the pressure of %zu cells did not come to its tolerance of %g in %d iterations: take a larger "
@@ -144,7 +154,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
         p->rows, l->tolerance, p->iterations);
   memset(guess, 0, g->size * sizeof *guess);
   for (size_t k = 0; k < p->rows; k++) guess[p->cell[k]] = p->x[k];
-  act(l, false);
+  act(l, 0);
   l->left = hk_liquid_divergence(l);
   return HK_OK;
 }
@@ -164,17 +174,17 @@ static double excess(const hk_liquid *l, size_t k) {
   return off;
 }
 
-hk_status hk_liquid_even(hk_liquid *l) {
+hk_status hk_liquid_even(hk_liquid *l, double part) {
   hk_pressure *p = &l->pressure;
   for (size_t k = 0; k < p->rows; k++) {
     p->b[k] = fmax(-0.5, fmin(0.5, excess(l, k)));
     p->x[k] = 0;
   }
-  if (!hk_pressure_solve(p, even_to))
+  if (!hk_pressure_solve(p, even_to, least_excess))
     return l->host->fail(l->host, HK_NOT_CONVERGED,
                          "the density of %zu cells could not be evened in %d iterations: take "
                          "smaller steps",
                          p->rows, p->iterations);
-  act(l, true);
+  act(l, part);
   return HK_OK;
 }

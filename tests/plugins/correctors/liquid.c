@@ -1,5 +1,5 @@
-/* The corrector liquid in whole runs: water at rest stays at rest, a standing wave has the frequency of theory, volume is
- * kept, particles stay out of walls, threads do not change bits, and what cannot be is refused with a sentence. */
+/* The corrector liquid in whole runs: water at rest stays at rest, a standing wave has the frequency of theory, volume
+ * is kept, particles stay out of walls, threads do not change bits, and what cannot be is refused with a sentence. */
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -25,8 +25,8 @@ typedef struct tank {
   size_t n;
 } tank;
 
-/* A plane tank 1 m wide and `top` high of cells of the size h, under gravity. */
-static void open_tank(tank *k, double h, double top, double dt) {
+/* A plane tank, 1 m wide and `top` high, of cells of the size h, under gravity. */
+static void open_scene(tank *k, double dt) {
   bits = 7;
   k->n = 0;
   test_engine_open(&k->e);
@@ -34,10 +34,25 @@ static void open_tank(tank *k, double h, double top, double dt) {
   k->e.options.dt = dt;
   hk_plugin_spec *gravity = test_plugin(&k->e, HK_FORCE, "gravity");
   test_vector(&k->e, gravity, "g", 0, 0, -g);
+}
+
+static void hold(tank *k, double h, double top) {
   k->liquid = test_plugin(&k->e, HK_CORRECTOR, "liquid");
   test_vector(&k->e, k->liquid, "low", 0, 0, 0);
   test_vector(&k->e, k->liquid, "high", 1, 0, top);
   test_number(&k->e, k->liquid, "cell", h);
+}
+
+static void open_tank(tank *k, double h, double top, double dt) {
+  open_scene(k, dt);
+  hold(k, h, top);
+}
+
+static void put_ball(tank *k) {
+  hk_plugin_spec *ball = test_plugin(&k->e, HK_CORRECTOR, "obstacle");
+  test_text(&k->e, ball, "shape", "sphere");
+  test_vector(&k->e, ball, "size", 0.3, 0.3, 0.3);
+  test_vector(&k->e, ball, "position", 0.7, 0, 0);
 }
 
 /* Water below depth + amplitude cos(pi x), from `from` on along x. */
@@ -64,7 +79,7 @@ static void a_full_box_is_at_rest(void **state) {
   const double h = 1 / 8.0, dt = 0.005;
   open_tank(&k, h, 0.5, dt);
   test_number(&k.e, k.liquid, "tolerance", 1e-11);
-  pour(&k, h, 0, 1, 0.5 - h / 4, 0);
+  pour(&k, h, 0, 1, 0.5, 0);
   test_run(&k.e);
   test_advance(&k.e, 1000 * dt);
   double speed = fastest(&k);
@@ -72,8 +87,8 @@ static void a_full_box_is_at_rest(void **state) {
   test_engine_close(&k.e);
 }
 
-/* With a surface that the random places of particles make uneven by a part of a cell, waves of h, as high as a tenth of it,
- * at first: sqrt(g h) 0.1 = 0.08 m/s. */
+/* With a surface that the random places of particles make uneven by a part of a cell, waves of h, as high as a tenth of
+ * it, at first: sqrt(g h) 0.1 = 0.08 m/s. */
 static void a_calm_surface_stays_calm(void **state) {
   (void)state;
   tank k;
@@ -95,15 +110,15 @@ static double mode_of(tank *k) {
   return sum / (double)k->n;
 }
 
-/* sqrt(g k tanh(k d)): the times at which the wave is level. With 16 cells across, half a wavelength, noise of the
- * surface of a tenth of a cell is 4 % of the wave and 1 % of its phase, over two periods 0.1 % of the frequency; the first
- * step's half, h w/2, and the amplitude, (k a)^2/2, come to 1 %. */
+/* sqrt(g k tanh(k d)), from the times at which the wave is level. Steps of 0.03/w and 32 cells across half a wavelength
+ * are of order 1 each, and the random places of particles make the surface uneven by some hundredths of a cell: 1 %;
+ * found were -0.7 and -0.9 %. A surface in the centres of cells is 4 % off. */
 static void a_standing_wave_has_the_frequency_of_theory(void **state) {
   (void)state;
   static const char *const transfers[] = {"apic", "flip"};
   for (int t = 0; t < 2; t++) {
     tank k;
-    const double h = 1 / 16.0, dt = 0.005, w = sqrt(g * pi * tanh(pi * 0.5));
+    const double h = 1 / 32.0, dt = 0.005, w = sqrt(g * pi * tanh(pi * 0.5));
     double crossing[8], before = 1;
     size_t count = 0;
     open_tank(&k, h, 1, dt);
@@ -118,33 +133,33 @@ static void a_standing_wave_has_the_frequency_of_theory(void **state) {
       before = now;
     }
     double found = pi * 4 / (crossing[4] - crossing[0]);
-    if (!(fabs(found / w - 1) < 0.02)) fail_msg("%s: %.5f instead of %.5f 1/s", transfers[t], found, w);
+    if (!(fabs(found / w - 1) < 0.01)) fail_msg("%s: %.5f instead of %.5f 1/s", transfers[t], found, w);
     test_engine_close(&k.e);
   }
 }
 
-/* A column collapses, and after three seconds of splashing the water covers the floor as high as its volume says. */
+/* A column collapses on a ball; the water then sloshes about the level of its volume, and is never lower. It is 0.32
+ * m^2 about half a disc of 0.15: 0.3553 m deep, with its centre of mass (0.3553^2/2 - 2/3 0.15^3)/0.32 = 0.1902 m high,
+ * which waves come near to when they turn. 1 % of the volume is 1 % of that. */
 static void a_dam_break_keeps_volume_and_walls(void **state) {
   (void)state;
   tank k;
   const double h = 1 / 20.0;
-  open_tank(&k, h, 1, 0.01);
-  hk_plugin_spec *step = test_plugin(&k.e, HK_CORRECTOR, "obstacle");
-  test_text(&k.e, step, "shape", "sphere");
-  test_vector(&k.e, step, "size", 0.3, 0.3, 0.3);
-  test_vector(&k.e, step, "position", 0.7, 0, 0);
+  double lowest = 1;
+  open_scene(&k, 0.01);
+  put_ball(&k);
+  hold(&k, h, 1);
   pour(&k, h, 0, 0.4, 0.8, 0);
   test_run(&k.e);
   const hk_instance *liquid = test_instance(&k.e, k.liquid);
-  for (int i = 1; i <= 10; i++) {
-    test_advance(&k.e, 0.5 * i);
-    double beyond = liquid->plugin->corrector->violation(liquid->self, hk_run_view(k.e.run));
-    if (!(beyond < 1e-9)) fail_msg("%.3g m in a wall at t = %g s", beyond, 0.5 * i);
+  for (int i = 1; i <= 120; i++) {
+    test_advance(&k.e, 0.1 * i);
+    double beyond = liquid->plugin->corrector->violation(liquid->self, hk_run_view(k.e.run)), height = 0;
+    for (uint32_t id = 1; id <= k.n; id++) height += test_position(&k.e, id)[2] / (double)k.n;
+    if (!(beyond < 1e-9)) fail_msg("%.3g m in a wall at t = %g s", beyond, 0.1 * i);
+    if (i > 40) lowest = fmin(lowest, height);
   }
-  double height = 0;
-  for (uint32_t id = 1; id <= k.n; id++) height += test_position(&k.e, id)[2] / (double)k.n;
-  /* 0.32 m^2 of water about half a disc of 0.15: 0.3553 m deep, its centre of mass at 0.194 m; 3 % for what still moves */
-  if (!(fabs(height / 0.194 - 1) < 0.03)) fail_msg("the centre of mass is at %.4f m", height);
+  if (!(fabs(lowest / 0.1902 - 1) < 0.01)) fail_msg("the lowest centre of mass is at %.4f m", lowest);
   test_engine_close(&k.e);
 }
 
@@ -170,6 +185,19 @@ static void refused(tank *k, const char *sentence) {
   test_engine_close(&k->e);
 }
 
+/* An obstacle after the liquid would strike what pressure has moved: it blew the dam break above to pieces. */
+static void obstacles_come_first(void **state) {
+  (void)state;
+  tank k;
+  open_tank(&k, 0.1, 1, 0.01);
+  put_ball(&k);
+  pour(&k, 0.1, 0, 0.3, 0.3, 0);
+  test_run(&k.e);
+  assert_int_equal(hk_run_advance(k.e.run, 0.1, &k.e.error), HK_BAD_PARAM);
+  assert_non_null(strstr(k.e.error.text, "put the corrector liquid behind all obstacles"));
+  test_engine_close(&k.e);
+}
+
 static void what_cannot_be_is_refused(void **state) {
   (void)state;
   tank k;
@@ -191,6 +219,7 @@ int main(void) {
       cmocka_unit_test(a_standing_wave_has_the_frequency_of_theory),
       cmocka_unit_test(a_dam_break_keeps_volume_and_walls),
       cmocka_unit_test(threads_do_not_change_bits),
+      cmocka_unit_test(obstacles_come_first),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
