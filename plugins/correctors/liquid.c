@@ -40,8 +40,8 @@ static const hk_param params[] = {
      .number = HK_AT(liquid, cell), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
     {"density", "kg/m^3", "of the liquid; in a plane the depth of the box is one cell",
      .number = HK_AT(liquid, density), .initial = {1000}, .limits = HK_ABOVE(0)},
-    {"particles", "", "that are the liquid; left out: all that move", .particles = HK_AT(liquid, particles),
-     .flags = HK_OPTIONAL | HK_NOT_EMPTY},
+    {"particles", "", "that are the liquid; left out: all that move and are in no edge or triangle of the scene",
+     .particles = HK_AT(liquid, particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"transfer", "",
      "how velocities come back: with their gradients (Jiang 2015); as changes (Zhu and Bridson 2005); "
      "plainly, which is the most viscous",
@@ -69,20 +69,32 @@ static const hk_field fields[] = {
     {0},
 };
 
+/* Of cloth, strands and meshes. */
+static void mark(const hk_tuples *t, bool *joined) {
+  for (size_t k = 0; k < t->count * t->arity; k++) joined[t->index[k]] = true;
+}
+
 static hk_status choose(liquid *s, const hk_view *view) {
   s->host->release(s->host, s->index);
   s->host->release(s->host, s->came);
   s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
   s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
-  if (!s->index || !s->came) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  bool *joined = s->host->allocate(s->host, view->n + 1);
+  if (!s->index || !s->came || !joined)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   const hk_model *model = view->model;
   size_t listed = s->particles.count ? s->particles.count : view->n;
+  if (!s->particles.count) {
+    mark(&model->edges, joined);
+    mark(&model->triangles, joined);
+  }
   s->count = 0;
   for (size_t k = 0; k < listed; k++) {
     uint32_t i = s->particles.count ? *hk_tuple(&s->particles, k) : (uint32_t)k;
-    if (model->pin[i] == HK_FREE && model->inverse_mass[i] > 0 && !(model->inside && model->inside[i]))
+    if (!joined[i] && model->pin[i] == HK_FREE && model->inverse_mass[i] > 0 && !(model->inside && model->inside[i]))
       s->index[s->count++] = i;
   }
+  s->host->release(s->host, joined);
   return HK_OK;
 }
 
@@ -110,9 +122,39 @@ static hk_status check_start(const liquid *s, const hk_view *view) {
   return HK_OK;
 }
 
+/* Solids between whose sides the grid cannot have a cell that is closed. */
+static void warn_of_thin(const liquid *s) {
+  const hk_liquid *m = &s->method;
+  double cell = fmax(m->grid.spacing[0], fmax(m->grid.spacing[1], m->grid.spacing[2]));
+  for (size_t k = 0; k < m->obstacles->count; k++) {
+    const hk_shape *shape = &m->obstacles->member[k]->shape;
+    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
+    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
+    if (least < 2 * cell)
+      s->host->warn(
+          s->host,
+          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
+          "two of them; take smaller ones or a thicker obstacle",
+          k + 1, least, cell);
+  }
+}
+
+static void warn_of_births(const liquid *s, const hk_view *view) {
+  for (size_t k = 0; k < s->count; k++)
+    for (int c = 0; c < 3; c++) {
+      double x = view->x[3 * (size_t)s->index[k] + (size_t)c];
+      if (x >= s->low[c] && x <= s->high[c]) continue;
+      s->host->warn(s->host,
+                    "particles of the liquid are born outside its box, and the next step puts them on its faces: "
+                    "emit them inside, or take a larger box");
+      return;
+    }
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
   hk_status status = choose(s, view);
+  if (status == HK_OK) warn_of_births(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
 }
 
@@ -141,6 +183,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->obstacles = all->set;
   s->obstacles = all->set->count;
   s->reached = view->t;
+  warn_of_thin(s);
   return hk_liquid_open(m, host, s->count);
 }
 

@@ -179,6 +179,39 @@ static void threads_do_not_change_bits(void **state) {
   assert_memory_equal(last[0], last[1], sizeof last[0]);
 }
 
+/* A bead on a string, which is of no liquid, falls freely through the water; the water is what its particles are. */
+static void cloth_and_strands_are_no_liquid(void **state) {
+  (void)state;
+  tank k;
+  open_tank(&k, 0.1, 1, 0.01);
+  pour(&k, 0.1, 0, 1, 0.5, 0);
+  uint32_t a = test_particle(&k.e, 0.5, 0, 0.9, 1), b = test_particle(&k.e, 0.5, 0, 0.8, 1);
+  const uint32_t edge[1][2] = {{a, b}};
+  assert_int_equal(hk_scene_add_edges(k.e.scene, 1, edge, &k.e.error), HK_OK);
+  test_run(&k.e);
+  test_advance(&k.e, 0.3);
+  assert_true(fabs(test_velocity(&k.e, b)[2] + g * 0.3) < 1e-12); /* rounding of 30 steps */
+  test_engine_close(&k.e);
+}
+
+/* A box of 1 m x 1 m x 0.05 m among cells of 0.1 m. */
+static void thin_walls_are_said(void **state) {
+  (void)state;
+  tank k;
+  open_scene(&k, 0.01);
+  hk_plugin_spec *wall = test_plugin(&k.e, HK_CORRECTOR, "obstacle");
+  test_text(&k.e, wall, "shape", "box");
+  test_vector(&k.e, wall, "size", 1, 1, 0.05);
+  hold(&k, 0.1, 1);
+  pour(&k, 0.1, 0, 1, 0.3, 0);
+  test_run(&k.e);
+  bool said = false;
+  for (size_t w = 0; w < k.e.run->warnings.count; w++)
+    said |= strstr(k.e.run->warnings.text[w], "obstacle 1 is 0.05 m thin, and cells are 0.1 m") != NULL;
+  assert_true(said);
+  test_engine_close(&k.e);
+}
+
 static void refused(tank *k, const char *sentence) {
   assert_int_equal(hk_run_open(k->e.scene, &k->e.options, &k->e.run, &k->e.error), HK_BAD_PARAM);
   if (!strstr(k->e.error.text, sentence)) fail_msg("'%s' in: %s", sentence, k->e.error.text);
@@ -219,6 +252,8 @@ int main(void) {
       cmocka_unit_test(a_standing_wave_has_the_frequency_of_theory),
       cmocka_unit_test(a_dam_break_keeps_volume_and_walls),
       cmocka_unit_test(threads_do_not_change_bits),
+      cmocka_unit_test(cloth_and_strands_are_no_liquid),
+      cmocka_unit_test(thin_walls_are_said),
       cmocka_unit_test(obstacles_come_first),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
