@@ -24,10 +24,10 @@ typedef struct hk_liquid_grid {
   double *open[3];                    /* on faces: the part that no wall covers, 0 to 1 */
   double *wall[3];                    /* m/s, on faces: velocity of the walls */
   double *filled;                     /* in cells: volume of liquid by that of the cell */
-  double *room;                       /* in cells: the same if liquid filled all that no wall covers */
-  double *distance;                   /* in cells: to the free surface by the spacing, negative in the liquid */
-  double *solid;                      /* m, at the lower corner of a cell: distance to the nearest obstacle */
-  uint32_t *unknown;                  /* in cells: number of the pressure, HK_LIQUID_NONE where there is none */
+  double *room;     /* in cells: the same if liquid filled all that no wall covers; negative: the centre is in a wall */
+  double *distance; /* in cells: to the free surface by the spacing, negative in the liquid */
+  double *solid;    /* m, at the lower corner of a cell: distance to the nearest obstacle */
+  uint32_t *unknown; /* in cells: number of the pressure, HK_LIQUID_NONE where there is none */
   uint8_t *known[3]; /* on faces: layer that the velocity is from, 1 for what is in the liquid or on the box; 0: none */
   uint8_t *fresh;    /* on faces: what becomes known */
 } hk_liquid_grid;

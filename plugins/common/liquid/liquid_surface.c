@@ -9,17 +9,35 @@ static double depth_of(double part) {
   return part > 0.5 ? sqrt(2 * (1 - part)) - 1 : 1 - sqrt(2 * part);
 }
 
-static const double least_room = 0.05;
-
 static void distance_rows(void *context, size_t begin, size_t end, size_t piece) {
   hk_liquid_grid *g = &((hk_liquid *)context)->grid;
   (void)piece;
-  size_t length = g->cells[hk_liquid_inner(g)];
   for (size_t k = begin; k < end; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
-    for (size_t i = first; i < first + length; i++) {
-      if (g->room[i] < 1) g->filled[i] /= fmax(g->room[i], least_room);
+    for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
+      if (g->room[i] < 1) g->filled[i] /= fabs(g->room[i]);
+      if (g->room[i] < 0) continue;
       g->distance[i] = depth_of(g->filled[i]);
+    }
+  }
+}
+
+/* Few particles are in a cell whose centre is in a wall, and say little: its distance is that of the cells beside it,
+ * so that no wall is taken for air, and its density is right. */
+static void extend_rows(void *context, size_t begin, size_t end, size_t piece) {
+  hk_liquid_grid *g = &((hk_liquid *)context)->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
+      double sum = 0, count = 0;
+      if (!(g->room[i] < 0)) continue;
+      for (int c = 0; c < 3; c++) {
+        size_t s = g->stride[c];
+        if (g->room[i - s] > 0) sum += g->distance[i - s], count++;
+        if (g->room[i + s] > 0) sum += g->distance[i + s], count++;
+      }
+      g->distance[i] = count > 0 ? sum / count : -1;
     }
   }
 }
@@ -63,7 +81,7 @@ static void measure_density(hk_liquid *l) {
   l->inside = 0;
   for (size_t k = 0; k < l->pressure.rows; k++) {
     size_t i = l->pressure.cell[k];
-    if (!is_full(g, i)) continue;
+    if (!(g->room[i] > 0) || !is_full(g, i)) continue;
     l->inside++;
     sum += g->filled[i];
   }
@@ -72,6 +90,7 @@ static void measure_density(hk_liquid *l) {
 
 void hk_liquid_find_surface(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, distance_rows, l);
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, l);
   number_cells(l);
   measure_density(l);
 }

@@ -1,7 +1,7 @@
 /* Walls of a liquid: the box, and obstacles by their signed distances at the corners of cells. */
 #include "plugins/common/liquid/liquid.h"
 
-static const double least_open = 1e-3;
+static const double least_open = 1e-3, least_room = 0.05;
 
 /* m, of a point to the nearest obstacle; *nearest may be NULL. */
 static double distance_at(const hk_obstacle_set *set, const double x[3], const hk_obstacle **nearest) {
@@ -111,7 +111,7 @@ static double open_cell(const hk_liquid_grid *g, size_t i) {
 }
 
 /* room: a cell's own open part and those beside it, as the kernel of the filled parts weighs them: 1/8, 3/4, 1/8 along
- * each axis. `distance` is free for the sums. */
+ * each axis, negative where the centre is in a wall. `distance` is free for the sums. */
 static void weigh(const hk_liquid_grid *g, int c, const double *from, double *to) {
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
   for (size_t k = 0; k < rows; k++) {
@@ -134,6 +134,11 @@ static void find_room(hk_liquid *l) {
   weigh(g, 0, g->distance, g->room);
   weigh(g, 1, g->room, g->distance);
   weigh(g, 2, g->distance, g->room);
+  for (size_t k = 0; k < rows && l->obstacles; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++)
+      if (open_cell(g, i) <= 0.5) g->room[i] = -fmax(g->room[i], least_room);
+  }
 }
 
 void hk_liquid_walls(hk_liquid *l) {

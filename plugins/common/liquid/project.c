@@ -159,13 +159,15 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   return HK_OK;
 }
 
-/* How much fuller than the density a cell is; what borders on air may be thinner. */
+/* How much fuller than the density a cell is; what borders on air may be thinner, and so may
+ * what is mostly wall. */
 static double excess(const hk_liquid *l, size_t k) {
   const hk_liquid_grid *g = &l->grid;
   const hk_pressure *p = &l->pressure;
   size_t i = p->cell[k];
   double off = g->filled[i] - 1;
   if (off >= 0) return off;
+  if (g->room[i] < 0) return 0;
   for (int c = 0; c < 3; c++) {
     size_t s = g->stride[c];
     if (g->open[c][i] > 0 && p->prior[c][k] == p->rows) return 0;
