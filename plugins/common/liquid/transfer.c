@@ -46,12 +46,16 @@ HK_INLINE void add(const hk_liquid_grid *g, size_t at, const double f[3], double
                    const double slope[3], double *weight, double *momentum) {
   const size_t *s = g->stride;
   double v0 = v - f[0] * slope[0] - f[1] * slope[1] - f[2] * slope[2];
-  for (int b = 0; b < 8; b++) {
-    int i = b & 1, j = b >> 1 & 1, k = b >> 2;
-    size_t to = at + (i ? s[0] : 0) + (j ? s[1] : 0) + (k ? s[2] : 0);
-    double w = amount * (i ? f[0] : 1 - f[0]) * (j ? f[1] : 1 - f[1]) * (k ? f[2] : 1 - f[2]);
-    weight[to] += w;
-    if (momentum) momentum[to] += w * (v0 + (i ? slope[0] : 0) + (j ? slope[1] : 0) + (k ? slope[2] : 0));
+  for (int b = 0; b < 4; b++) {
+    bool j = b & 1, k = b >> 1;
+    size_t to = at + (j ? s[1] : 0) + (k ? s[2] : 0), next = to + s[0];
+    double w = amount * (j ? f[1] : 1 - f[1]) * (k ? f[2] : 1 - f[2]), w1 = w * f[0], w0 = w - w1;
+    weight[to] += w0;
+    weight[next] += w1;
+    if (!momentum) continue;
+    double u = v0 + (j ? slope[1] : 0) + (k ? slope[2] : 0);
+    momentum[to] += w0 * u;
+    momentum[next] += w1 * (u + slope[0]);
   }
 }
 
