@@ -64,6 +64,14 @@ function parts.solid(scene)
   scene:force("barrier", { d_hat = 0.01 })
 end
 
+function parts.water(scene)
+  local positions = {}
+  for k = 0, 11 do positions[k + 1] = { 0.1 * (k % 4) + 0.05, 0, 0.1 * (k // 4) + 0.05 } end
+  scene:particles { positions = positions, mass = 2 }
+  scene:force("gravity", {})
+  scene:corrector("liquid", { low = { 0, 0, 0 }, high = { 0.8, 0, 0.4 }, cell = 0.2 })
+end
+
 function parts.hair(scene)
   local hair = scene:strand { n = 4, from = { 0, 0, 0 }, to = { 1, 0, 0 }, mass = 0.1 }
   scene:force("rods", { edges = hair:edges(), EI = 0.01, GJ = 0.01 })

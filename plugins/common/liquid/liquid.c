@@ -1,0 +1,29 @@
+/* The memory of a liquid. */
+#include "plugins/common/liquid/liquid.h"
+
+hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
+  size_t cells = l->grid.cells[0] * l->grid.cells[1] * l->grid.cells[2];
+  l->host = host;
+  l->most = most;
+  if (!l->start) {
+    l->start = host->allocate(host, (l->grid.size + 1) * sizeof *l->start);
+    if (hk_pressure_open(&l->pressure, host, cells) != HK_OK || !l->start)
+      return host->fail(host, HK_NO_MEMORY, "no memory for the pressure of %zu cells: take larger ones", cells);
+  }
+  host->release(host, l->sorted);
+  host->release(host, l->cell);
+  l->sorted = host->allocate(host, (most + 1) * sizeof *l->sorted);
+  l->cell = host->allocate(host, (most + 1) * sizeof *l->cell);
+  if (l->sorted && l->cell) return HK_OK;
+  return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles of a liquid", most);
+}
+
+void hk_liquid_close(hk_liquid *l) {
+  if (!l->host) return;
+  hk_pressure_close(&l->pressure);
+  hk_liquid_grid_free(&l->grid, l->host);
+  l->host->release(l->host, l->start);
+  l->host->release(l->host, l->sorted);
+  l->host->release(l->host, l->cell);
+  l->start = l->sorted = l->cell = NULL;
+}

@@ -1,0 +1,90 @@
+/* A liquid of particles that is kept incompressible on a grid: velocities go from particles to the faces of cells,
+ * walls and pressure change them there, and they come back to the particles, which move along the grid's velocity. The
+ * mass, the position and the velocity of the liquid stay on the particles; the grid keeps nothing but the last
+ * pressure, as a first guess.
+ *
+ * The order of a step: hk_liquid_sort, _scatter, _walls, _find_surface, _project, _even, _extend, _gather, _move.
+ * Results have the same bits for any number of threads. Bridson, Fluid Simulation for Computer Graphics, 2nd ed. 2015;
+ * Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method. */
+#ifndef HK_LIQUID_H
+#define HK_LIQUID_H
+
+#include "plugins/common/liquid/liquid_grid.h"
+#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/obstacles/obstacle.h"
+
+typedef enum hk_liquid_transfer { HK_LIQUID_APIC, HK_LIQUID_FLIP, HK_LIQUID_PIC } hk_liquid_transfer;
+
+#define HK_LIQUID_TRANSFERS "apic|flip|pic"
+
+typedef struct hk_liquid_particles {
+  size_t count;
+  const uint32_t *index; /* count: particles of the scene */
+  const double *mass;    /* of the scene, kg */
+  double *x, *v;         /* of the scene, n x 3 */
+  const double *affine;  /* of the scene, `apart` numbers from one to the next: row a of nine is the gradient of v_a,
+                            1/s; NULL: 0 */
+  size_t apart;
+} hk_liquid_particles;
+
+typedef struct hk_liquid {
+  const hk_host *host;
+  hk_liquid_grid grid;
+  hk_pressure pressure;
+  const hk_obstacle_set *obstacles; /* NULL: none */
+  hk_liquid_transfer transfer;
+  double density;     /* kg/m^3 */
+  double flip;        /* of FLIP: the part of the particle's own velocity that is kept */
+  double tolerance;   /* of the pressure */
+  uint32_t *start;    /* size + 1: places in `sorted` of the particles of a cell */
+  uint32_t *sorted;   /* most: places in the list of particles, by cells */
+  uint32_t *cell;     /* most: of each place in the list */
+  size_t most;        /* particles that there is memory for */
+  bool walled, stood; /* walls are known; they are those of obstacles that did not move */
+  /* of the last step */
+  size_t inside; /* cells that are full: liquid on all sides */
+  double mean;   /* of the density in them, by `density`; NAN: there are none */
+  double left;   /* 1/s, the largest divergence after the projection */
+} hk_liquid;
+
+/* Arrays for `most` particles, also again for another number. The grid has been opened. HK_NO_MEMORY: with a message.
+ */
+hk_status hk_liquid_open(hk_liquid *, const hk_host *, size_t most);
+void hk_liquid_close(hk_liquid *);
+
+/* The particles by cells. */
+void hk_liquid_sort(hk_liquid *, const hk_liquid_particles *);
+/* Velocities, weights and filled parts from the particles. Momentum is kept to rounding, and so is the angular momentum
+ * of what is further from walls than half a cell, the particles' own, m C D with D = f (1 - f) h^2 for the faces of a
+ * component (f: part of the way between them), counted in. Jiang et al. 2015, eqs. 8 to 12, with the bilinear or
+ * trilinear kernel on each component's faces. */
+void hk_liquid_scatter(hk_liquid *, const hk_liquid_particles *);
+/* Distances of cells to the free surface from their filled parts, and the numbers of those in the liquid: its surface
+ * is where half of what a cell's kernel covers is filled. */
+void hk_liquid_find_surface(hk_liquid *);
+/* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
+ * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
+void hk_liquid_walls(hk_liquid *);
+/* Makes the velocities free of divergence: the pressure is zero on the surface, placed between centres as by Enright,
+ * Nguyen, Gibou, Fedkiw 2003 (order 2), walls cover parts of faces as by Ng, Min, Gibou 2009. guess: size, the pressure
+ * by the density times the step, m^2/s, of the last step, which becomes that of this one. HK_NOT_CONVERGED: with a
+ * message. */
+hk_status hk_liquid_project(hk_liquid *, double *guess);
+/* The displacement that takes denser and thinner places to the density: with q as a pressure, its divergence is the
+ * part by which a cell is too full (Kugelstadt, Longva, Thuerey, Bender 2019, Implicit density projection, eq. 10), of
+ * which a quarter is made up for in a step; `part`, in (0, 1]: the step's length by that of the longest. */
+hk_status hk_liquid_even(hk_liquid *, double part);
+/* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells. */
+void hk_liquid_extend(hk_liquid *, int layers);
+/* Velocities of the particles from the grid, and the affine part, laid out as that of before; `full`, n: the part of
+ * the density. */
+void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, double *full);
+/* Moves the particles by the grid's velocity for h, s (Ralston's method of order 3), then by the displacement, and out
+ * of walls. */
+void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
+/* m, how far the particles are beyond walls: the largest. */
+double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
+/* 1/s, the largest divergence of a cell of the liquid. */
+double hk_liquid_divergence(const hk_liquid *);
+
+#endif

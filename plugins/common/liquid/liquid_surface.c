@@ -1,0 +1,96 @@
+/* Where the liquid is: filled parts of cells, and the free surface between them. */
+#include "plugins/common/liquid/liquid.h"
+
+/* Beside a flat surface at the distance s (in cells, negative in the liquid) the kernel 1 - |s| about a centre covers
+ * the part 1/2 - s + s |s|/2 of liquid; this is the inverse. */
+static double depth_of(double part) {
+  if (part >= 1) return -1;
+  if (part <= 0) return 1;
+  return part > 0.5 ? sqrt(2 * (1 - part)) - 1 : 1 - sqrt(2 * part);
+}
+
+static void distance_rows(void *context, size_t begin, size_t end, size_t piece) {
+  hk_liquid_grid *g = &((hk_liquid *)context)->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
+      if (g->room[i] < 1) g->filled[i] /= fabs(g->room[i]);
+      if (g->room[i] < 0) continue;
+      g->distance[i] = depth_of(g->filled[i]);
+    }
+  }
+}
+
+/* Few particles are in a cell whose centre is in a wall, and say little: its distance is that of the cells beside it,
+ * so that no wall is taken for air, and its density is right. */
+static void extend_rows(void *context, size_t begin, size_t end, size_t piece) {
+  hk_liquid_grid *g = &((hk_liquid *)context)->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
+      double sum = 0, count = 0;
+      if (!(g->room[i] < 0)) continue;
+      for (int c = 0; c < 3; c++) {
+        size_t s = g->stride[c];
+        if (g->room[i - s] > 0) sum += g->distance[i - s], count++;
+        if (g->room[i + s] > 0) sum += g->distance[i + s], count++;
+      }
+      g->distance[i] = count > 0 ? sum / count : -1;
+    }
+  }
+}
+
+/* Whether a face of the cell is open. */
+static bool is_open(const hk_liquid_grid *g, size_t i) {
+  double sum = 0;
+  for (int c = 0; c < 3; c++) sum += g->open[c][i] + g->open[c][i + g->stride[c]];
+  return sum > 0;
+}
+
+static void number_cells(hk_liquid *l) {
+  hk_liquid_grid *g = &l->grid;
+  size_t length = g->cells[hk_liquid_inner(g)], rows = hk_liquid_rows(g, 0);
+  uint32_t count = 0;
+  for (size_t k = 0; k < rows; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++) {
+      g->unknown[i] = HK_LIQUID_NONE;
+      if (!(g->distance[i] < 0) || !is_open(g, i)) continue;
+      g->unknown[i] = count;
+      l->pressure.cell[count++] = (uint32_t)i;
+    }
+  }
+  l->pressure.rows = count;
+}
+
+/* Whether there is liquid beyond all faces of the cell that are open. */
+static bool is_full(const hk_liquid_grid *g, size_t i) {
+  for (int c = 0; c < 3; c++) {
+    size_t s = g->stride[c];
+    if (g->open[c][i] > 0 && g->unknown[i - s] == HK_LIQUID_NONE) return false;
+    if (g->open[c][i + s] > 0 && g->unknown[i + s] == HK_LIQUID_NONE) return false;
+  }
+  return true;
+}
+
+static void measure_density(hk_liquid *l) {
+  const hk_liquid_grid *g = &l->grid;
+  double sum = 0;
+  l->inside = 0;
+  for (size_t k = 0; k < l->pressure.rows; k++) {
+    size_t i = l->pressure.cell[k];
+    if (!(g->room[i] > 0) || !is_full(g, i)) continue;
+    l->inside++;
+    sum += g->filled[i];
+  }
+  l->mean = l->inside ? sum / (double)l->inside : NAN;
+}
+
+void hk_liquid_find_surface(hk_liquid *l) {
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, distance_rows, l);
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, l);
+  number_cells(l);
+  measure_density(l);
+}

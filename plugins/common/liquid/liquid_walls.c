@@ -1,0 +1,153 @@
+/* Walls of a liquid: the box, and obstacles by their signed distances at the corners of cells. */
+#include "plugins/common/liquid/liquid.h"
+
+static const double least_open = 1e-3, least_room = 0.05;
+
+/* m, of a point to the nearest obstacle; *nearest may be NULL. */
+static double distance_at(const hk_obstacle_set *set, const double x[3], const hk_obstacle **nearest) {
+  double least = INFINITY;
+  for (size_t k = 0; k < set->count; k++) {
+    double p[3], n[3];
+    hk_body_point(&set->member[k]->motion.end, x, p);
+    double d = hk_shape_distance(&set->member[k]->shape, p, n);
+    if (!(d < least)) continue;
+    least = d;
+    if (nearest) *nearest = set->member[k];
+  }
+  return least;
+}
+
+/* The part of a triangle where the linear function with these values at its corners is positive. */
+static double open_triangle(double a, double b, double c) {
+  int positive = (a > 0) + (b > 0) + (c > 0);
+  if (positive == 0) return 0;
+  if (positive == 3) return 1;
+  double sign = positive == 1 ? 1 : -1; /* one corner is apart from the others: it comes first */
+  if (sign * b > 0) {
+    double t = a;
+    a = b;
+    b = t;
+  } else if (sign * c > 0) {
+    double t = a;
+    a = c;
+    c = t;
+  }
+  double corner = a / (a - b) * (a / (a - c));
+  return positive == 1 ? corner : 1 - corner;
+}
+
+/* The open part of the face of component c of cell i. */
+static double open_part(const hk_liquid_grid *g, size_t i, int c) {
+  int a = c == 0 ? 1 : 0, b = 3 - c - a;
+  size_t s = g->flat[a] ? 0 : g->stride[a], t = g->flat[b] ? 0 : g->stride[b];
+  const double *d = g->solid + i;
+  double part;
+  if (s == 0 || t == 0) {
+    double p = d[0], q = d[s + t];
+    part = p > 0 && q > 0 ? 1 : p <= 0 && q <= 0 ? 0 : fmax(p, q) / fabs(p - q);
+  } else {
+    part = (open_triangle(d[0], d[s], d[s + t]) + open_triangle(d[0], d[t], d[s + t])) / 2;
+  }
+  return part < least_open ? 0 : part;
+}
+
+static void point_of(const hk_liquid_grid *g, const hk_liquid_row *row, size_t i, int face, double x[3]) {
+  for (int c = 0; c < 3; c++) {
+    size_t at = row->cell[c] + (c == hk_liquid_inner(g) ? i - row->first : 0);
+    double half = face < 0 || c == face ? 0 : 0.5;
+    x[c] = g->flat[c] ? g->low[c] : g->low[c] + g->spacing[c] * ((double)at - 1 + half);
+  }
+}
+
+static void corner_rows(void *context, size_t begin, size_t end, size_t piece) {
+  hk_liquid *l = context;
+  hk_liquid_grid *g = &l->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
+    for (size_t i = row.first; i <= row.first + g->cells[hk_liquid_inner(g)]; i++) {
+      double x[3];
+      point_of(g, &row, i, -1, x);
+      g->solid[i] = l->obstacles ? distance_at(l->obstacles, x, NULL) : INFINITY;
+    }
+  }
+}
+
+static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
+  const hk_obstacle *nearest = NULL;
+  double x[3], u[3];
+  static const double rest[3];
+  point_of(&l->grid, row, i, c, x);
+  distance_at(l->obstacles, x, &nearest);
+  if (!nearest) return 0;
+  hk_body_move(&nearest->motion.end, x, rest, u);
+  return u[c];
+}
+
+static void face_rows(void *context, size_t begin, size_t end, size_t piece) {
+  hk_liquid *l = context;
+  hk_liquid_grid *g = &l->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 0);
+    for (size_t i = row.first; i < row.first + g->cells[hk_liquid_inner(g)]; i++)
+      for (int c = 0; c < 3; c++) {
+        bool box = hk_liquid_on_box(g, &row, i, c);
+        g->open[c][i] = box ? 0 : l->obstacles ? open_part(g, i, c) : 1;
+        g->wall[c][i] = box || g->open[c][i] == 1 ? 0 : wall_speed(l, &row, i, c);
+      }
+  }
+}
+
+/* The part of a cell that is open, as if it were cut by a plane of mean slope. */
+static double open_cell(const hk_liquid_grid *g, size_t i) {
+  double mean = 0, h = 0;
+  for (int b = 0; b < 8; b++)
+    mean +=
+        g->solid[i + (b & 1) * g->stride[0] + (size_t)(b >> 1 & 1) * g->stride[1] + (size_t)(b >> 2) * g->stride[2]] /
+        8;
+  for (int c = 0; c < 3; c++) h += g->spacing[c] / 3;
+  return fmin(1, fmax(0, 0.5 + mean / h));
+}
+
+/* room: a cell's own open part and those beside it, as the kernel of the filled parts weighs them: 1/8, 3/4, 1/8 along
+ * each axis, negative where the centre is in a wall. `distance` is free for the sums. */
+static void weigh(const hk_liquid_grid *g, int c, const double *from, double *to) {
+  size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
+  for (size_t k = 0; k < rows; k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 0);
+    for (size_t i = row.first; i < row.first + length; i++) {
+      size_t at = row.cell[c] + (c == hk_liquid_inner(g) ? i - row.first : 0);
+      double prior = from[at == 1 ? i : i - g->stride[c]], next = from[at == g->cells[c] ? i : i + g->stride[c]];
+      to[i] = 0.75 * from[i] + 0.125 * (prior + next);
+    }
+  }
+}
+
+static void find_room(hk_liquid *l) {
+  hk_liquid_grid *g = &l->grid;
+  size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
+  for (size_t k = 0; k < rows; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++) g->distance[i] = l->obstacles ? open_cell(g, i) : 1;
+  }
+  weigh(g, 0, g->distance, g->room);
+  weigh(g, 1, g->room, g->distance);
+  weigh(g, 2, g->distance, g->room);
+  for (size_t k = 0; k < rows && l->obstacles; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++)
+      if (open_cell(g, i) <= 0.5) g->room[i] = -fmax(g->room[i], least_room);
+  }
+}
+
+void hk_liquid_walls(hk_liquid *l) {
+  bool still = true;
+  for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) still &= l->obstacles->member[k]->motion.still;
+  if (l->walled && still && l->stood) return;
+  l->walled = true;
+  l->stood = still;
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 1), 16, corner_rows, l);
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, face_rows, l);
+  find_room(l);
+}

@@ -1,0 +1,127 @@
+/* Velocities beyond the liquid, and the way of particles along them. */
+#include "plugins/common/liquid/liquid.h"
+
+#include <string.h>
+
+enum { GRAIN = 2048 };
+
+static const double margin = 1e-3; /* of a cell: particles are no nearer to the box */
+
+typedef struct task {
+  hk_liquid *l;
+  const hk_liquid_particles *p;
+  double h;
+  int component;
+  uint8_t layer;
+} task;
+
+/* The mean of the faces beside one that are known. */
+static void extend_rows(void *context, size_t begin, size_t end, size_t piece) {
+  const task *t = context;
+  hk_liquid_grid *g = &t->l->grid;
+  const uint8_t *known = g->known[t->component];
+  double *u = g->u[t->component];
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
+      double sum = 0;
+      int count = 0;
+      g->fresh[i] = known[i];
+      if (known[i]) continue;
+      for (int c = 0; c < 3; c++) {
+        size_t s = g->stride[c];
+        if (known[i - s]) sum += u[i - s], count++;
+        if (known[i + s]) sum += u[i + s], count++;
+      }
+      if (!count) continue;
+      u[i] = sum / count;
+      g->fresh[i] = t->layer;
+    }
+  }
+}
+
+static void settle_rows(void *context, size_t begin, size_t end, size_t piece) {
+  const task *t = context;
+  hk_liquid_grid *g = &t->l->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    memcpy(g->known[t->component] + first, g->fresh + first, g->cells[hk_liquid_inner(g)]);
+  }
+}
+
+void hk_liquid_extend(hk_liquid *l, int layers) {
+  for (int a = 0; a < 3; a++)
+    for (int n = 0; n < layers && !l->grid.flat[a]; n++) {
+      task t = {.l = l, .component = a, .layer = (uint8_t)(n + 2)};
+      l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, &t);
+      l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, settle_rows, &t);
+    }
+}
+
+static void velocity_at(const hk_liquid_grid *g, const double x[3], double u[3]) {
+  hk_liquid_place at;
+  hk_liquid_locate(g, x, &at);
+  for (int a = 0; a < 3; a++) u[a] = g->flat[a] ? 0 : hk_liquid_value(g, g->u[a], &at, a);
+}
+
+static void along(const double x[3], double h, const double u[3], double to[3]) {
+  for (int c = 0; c < 3; c++) to[c] = x[c] + h * u[c];
+}
+
+/* Out of obstacles along their normals, then into the box. */
+static void keep(const hk_liquid *l, size_t i, double x[3]) {
+  const hk_liquid_grid *g = &l->grid;
+  for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) {
+    const hk_obstacle *o = l->obstacles->member[k];
+    double n[3], gap = hk_obstacle_gap(o, &o->motion.end, x, i, n);
+    for (int c = 0; c < 3 && gap < 0; c++) x[c] -= gap * n[c];
+  }
+  for (int c = 0; c < 3; c++) {
+    double least = g->flat[c] ? 0 : margin * g->spacing[c];
+    x[c] = fmax(g->low[c] + least, fmin(g->high[c] - least, x[c]));
+  }
+}
+
+static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
+  const task *t = context;
+  const hk_liquid_grid *g = &t->l->grid;
+  (void)piece;
+  for (size_t k = begin; k < end; k++) {
+    size_t i = t->p->index[t->l->sorted[k]];
+    double *x = t->p->x + 3 * i, first[3], second[3], third[3], on[3];
+    hk_liquid_place at;
+    hk_liquid_locate(g, x, &at);
+    velocity_at(g, x, first);
+    along(x, t->h / 2, first, on);
+    velocity_at(g, on, second);
+    along(x, 0.75 * t->h, second, on);
+    velocity_at(g, on, third);
+    for (int c = 0; c < 3; c++) {
+      x[c] += t->h / 9 * (2 * first[c] + 3 * second[c] + 4 * third[c]);
+      if (!g->flat[c]) x[c] += hk_liquid_value(g, g->push[c], &at, c);
+    }
+    keep(t->l, i, x);
+  }
+}
+
+void hk_liquid_move(hk_liquid *l, const hk_liquid_particles *p, double h) {
+  task t = {.l = l, .p = p, .h = h};
+  l->host->parallel_for(l->host, p->count, GRAIN, move_piece, &t);
+}
+
+double hk_liquid_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
+  const hk_liquid_grid *g = &l->grid;
+  double most = 0;
+  for (size_t k = 0; k < p->count; k++) {
+    size_t i = p->index[k];
+    const double *x = p->x + 3 * i;
+    for (int c = 0; c < 3; c++) most = fmax(most, fmax(g->low[c] - x[c], x[c] - g->high[c]));
+    for (size_t o = 0; l->obstacles && o < l->obstacles->count; o++) {
+      double n[3];
+      most = fmax(most, -hk_obstacle_gap(l->obstacles->member[o], &l->obstacles->member[o]->motion.end, x, i, n));
+    }
+  }
+  return most;
+}

@@ -1,0 +1,300 @@
+/* A liquid of particles that neither gains nor loses volume, in a box and between obstacles: after each step the
+ * velocities that its forces have given to the particles go to a grid, pressure takes away their divergence there, and
+ * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
+ * all channels stay on the particles. The box's faces are walls without friction; obstacles of the scene are walls that
+ * cover parts of faces, at rest or moving.
+ *
+ * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
+ * the liquid, and the liquid does not move them, nor anything else; there is no viscosity and no surface tension; walls
+ * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
+ * the energy balance of such a run is not either. */
+#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/obstacles/obstacles_service.h"
+
+#include <string.h>
+
+typedef struct liquid {
+  double low[3], high[3], cell, density, flip, courant, tolerance, memory;
+  int transfer;
+  bool even;
+  hk_tuples particles;
+  double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
+  double *full;   /* n */
+  hk_array guess; /* m^2/s, the last pressure, on the grid */
+  double reached; /* s, the end of the last step */
+  double longest; /* s, of the steps */
+  int64_t slot, said;
+  uint32_t *index;
+  double (*came)[6];       /* x and v of those as they came, to know whether they change */
+  size_t count, obstacles; /* those that were entered before */
+  hk_liquid method;
+  const hk_host *host;
+} liquid;
+
+static const hk_param params[] = {
+    {"low", "m", "lower corner of the box that the liquid is in; its faces are walls", .vector = HK_AT(liquid, low),
+     .flags = HK_REQUIRED},
+    {"high", "m", "upper corner; along an axis where both are the same the liquid is a plane one",
+     .vector = HK_AT(liquid, high), .flags = HK_REQUIRED},
+    {"cell", "m", "size of a cell; left out: twice the distance of the particles, by their volume",
+     .number = HK_AT(liquid, cell), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    {"density", "kg/m^3", "of the liquid; in a plane the depth of the box is one cell",
+     .number = HK_AT(liquid, density), .initial = {1000}, .limits = HK_ABOVE(0)},
+    {"particles", "", "that are the liquid; left out: all that move and are in no edge or triangle of the scene",
+     .particles = HK_AT(liquid, particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
+    {"transfer", "",
+     "how velocities come back: with their gradients (Jiang 2015); as changes (Zhu and Bridson 2005); "
+     "plainly, which is the most viscous",
+     .choice = HK_AT(liquid, transfer), .choices = HK_LIQUID_TRANSFERS},
+    {"flip", "", "with transfer = \"flip\": part of a particle's own velocity that is kept",
+     .number = HK_AT(liquid, flip), .initial = {0.97}, .limits = HK_WITHIN(0, 1)},
+    {"even", "", "whether places that are denser or thinner than the liquid are evened, which keeps its volume",
+     .boolean = HK_AT(liquid, even), .initial = {1}},
+    {"courant", "", "cells that a particle passes in a step, at most: longer steps are divided",
+     .number = HK_AT(liquid, courant), .initial = {2}, .limits = HK_ABOVE_TO(0, 20)},
+    {"tolerance", "", "divergence that is left, by the largest before", .number = HK_AT(liquid, tolerance),
+     .initial = {1e-8}, .limits = HK_ABOVE_TO(0, 0.1)},
+    {"memory", "GB", "that the grid may take", .number = HK_AT(liquid, memory), .initial = {4}, .limits = HK_ABOVE(0)},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
+    {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
+    {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
+    {"longest", .number = HK_AT(liquid, longest)},
+    {"reached", .number = HK_AT(liquid, reached)},
+    {"slot", .integer = HK_AT(liquid, slot)},
+    {"said", .integer = HK_AT(liquid, said)},
+    {0},
+};
+
+/* Of cloth, strands and meshes. */
+static void mark(const hk_tuples *t, bool *joined) {
+  for (size_t k = 0; k < t->count * t->arity; k++) joined[t->index[k]] = true;
+}
+
+static hk_status choose(liquid *s, const hk_view *view) {
+  s->host->release(s->host, s->index);
+  s->host->release(s->host, s->came);
+  s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
+  s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
+  bool *joined = s->host->allocate(s->host, view->n + 1);
+  if (!s->index || !s->came || !joined)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  const hk_model *model = view->model;
+  size_t listed = s->particles.count ? s->particles.count : view->n;
+  if (!s->particles.count) {
+    mark(&model->edges, joined);
+    mark(&model->triangles, joined);
+  }
+  s->count = 0;
+  for (size_t k = 0; k < listed; k++) {
+    uint32_t i = s->particles.count ? *hk_tuple(&s->particles, k) : (uint32_t)k;
+    if (!joined[i] && model->pin[i] == HK_FREE && model->inverse_mass[i] > 0 && !(model->inside && model->inside[i]))
+      s->index[s->count++] = i;
+  }
+  s->host->release(s->host, joined);
+  return HK_OK;
+}
+
+/* m: of cubes or squares with the mean volume of a particle twice the side. */
+static double default_cell(const liquid *s, const hk_view *view) {
+  double mass = 0;
+  for (size_t k = 0; k < s->count; k++) mass += view->model->mass[s->index[k]];
+  double volume = mass / ((double)s->count * s->density);
+  bool plane = s->low[0] == s->high[0] || s->low[1] == s->high[1] || s->low[2] == s->high[2];
+  /* in a plane a cell is as deep as it is wide, and has four particles: volume = cell^3/4 */
+  return plane ? pow(4 * volume, 1.0 / 3) : 2 * pow(volume, 1.0 / 3);
+}
+
+static hk_status check_start(const liquid *s, const hk_view *view) {
+  for (size_t k = 0; k < s->count; k++) {
+    const double *x = view->x + 3 * (size_t)s->index[k];
+    for (int c = 0; c < 3; c++)
+      if (x[c] < s->low[c] || x[c] > s->high[c])
+        return s->host->fail(
+            s->host, HK_BAD_PARAM,
+            "particle %u is outside the box, at %c = %g m where it goes from %g to %g: move it, take a "
+            "larger box, or name those that are the liquid by `particles`",
+            view->model->id[s->index[k]], "xyz"[c], x[c], s -> low[c], s -> high[c]);
+  }
+  return HK_OK;
+}
+
+/* Solids between whose sides the grid cannot have a cell that is closed. */
+static void warn_of_thin(const liquid *s) {
+  const hk_liquid *m = &s->method;
+  double cell = fmax(m->grid.spacing[0], fmax(m->grid.spacing[1], m->grid.spacing[2]));
+  for (size_t k = 0; k < m->obstacles->count; k++) {
+    const hk_shape *shape = &m->obstacles->member[k]->shape;
+    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
+    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
+    if (least < 2 * cell)
+      s->host->warn(
+          s->host,
+          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
+          "two of them; take smaller ones or a thicker obstacle",
+          k + 1, least, cell);
+  }
+}
+
+static void warn_of_births(const liquid *s, const hk_view *view) {
+  for (size_t k = 0; k < s->count; k++)
+    for (int c = 0; c < 3; c++) {
+      double x = view->x[3 * (size_t)s->index[k] + (size_t)c];
+      if (x >= s->low[c] && x <= s->high[c]) continue;
+      s->host->warn(s->host,
+                    "particles of the liquid are born outside its box, and the next step puts them on its faces: "
+                    "emit them inside, or take a larger box");
+      return;
+    }
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  liquid *s = self;
+  hk_status status = choose(s, view);
+  if (status == HK_OK) warn_of_births(s, view);
+  return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  liquid *s = self;
+  s->host = host;
+  hk_status status = choose(s, view);
+  if (status != HK_OK) return status;
+  if (s->count == 0 && isnan(s->cell))
+    return host->fail(host, HK_BAD_PARAM,
+                      "there are no particles that could be a liquid and say how large cells are: "
+                      "give `cell`");
+  hk_liquid *m = &s->method;
+  m->host = host;
+  m->transfer = (hk_liquid_transfer)s->transfer;
+  m->density = s->density;
+  m->flip = s->flip;
+  m->tolerance = s->tolerance;
+  double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
+  status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
+  if (status == HK_OK) status = check_start(s, view);
+  if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
+  if (status != HK_OK) return status;
+  const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!all) return HK_FAILED;
+  m->obstacles = all->set;
+  s->obstacles = all->set->count;
+  s->reached = view->t;
+  warn_of_thin(s);
+  return hk_liquid_open(m, host, s->count);
+}
+
+static void destroy(void *self, const hk_host *host) {
+  liquid *s = self;
+  (void)host;
+  if (s->host) hk_liquid_close(&s->method);
+}
+
+/* Cells that the fastest particle passes in the step. */
+static double courant_of(const liquid *s, const hk_correction *c) {
+  double most = 0;
+  for (size_t k = 0; k < s->count; k++)
+    for (int a = 0; a < 3; a++) {
+      if (s->method.grid.flat[a]) continue;
+      most = fmax(most, fabs(c->v[3 * (size_t)s->index[k] + (size_t)a]) * c->h / s->method.grid.spacing[a]);
+    }
+  return most;
+}
+
+/* Once a run. */
+static void say(liquid *s, const hk_view *view, double courant) {
+  if (s->said) return;
+  double off = s->method.mean - 1;
+  if (courant > s->courant && ++s->said)
+    s->host->warn(s->host,
+                  "particles of the liquid pass %.3g cells in a step at t = %g s, and the step cannot be "
+                  "shorter: take a smaller --dt, or larger cells",
+                  courant, view->t);
+  else if (s->method.inside > 64 && fabs(off) > 0.05 && ++s->said)
+    s->host->warn(s->host,
+                  "within the liquid the density is off by %.3g %% at t = %g s, and so is its volume: take "
+                  "shorter steps, more particles, or a `density` and masses that fill the space they are in",
+                  100 * off, view->t);
+}
+
+/* The particles are where they were before the step, with the velocities that forces have given them in it. */
+static void begin(liquid *s, hk_correction *c) {
+  for (size_t k = 0; k < s->count; k++) {
+    size_t i = 3 * (size_t)s->index[k];
+    memcpy(s->came[k], c->x + i, 3 * sizeof(double));
+    memcpy(s->came[k] + 3, c->v + i, 3 * sizeof(double));
+    memcpy(c->x + i, c->x_before + i, 3 * sizeof(double));
+  }
+}
+
+static bool changed(const liquid *s, const hk_correction *c) {
+  for (size_t k = 0; k < s->count; k++) {
+    size_t i = 3 * (size_t)s->index[k];
+    if (memcmp(s->came[k], c->x + i, 3 * sizeof(double)) || memcmp(s->came[k] + 3, c->v + i, 3 * sizeof(double)))
+      return true;
+  }
+  return false;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  liquid *s = self;
+  hk_liquid *m = &s->method;
+  if (m->obstacles->count > s->obstacles)
+    return s->host->fail(
+        s->host, HK_BAD_PARAM,
+        "obstacles come after the liquid in the scene, and would strike particles that its pressure has "
+        "moved: put the corrector liquid behind all obstacles");
+  double courant = courant_of(s, c);
+  if (courant > s->courant && !c->last) {
+    c->reject = true;
+    return HK_OK;
+  }
+  if (view->t - c->h >= s->reached - 1e-9 * c->h) s->slot = 1 - s->slot;
+  s->reached = view->t;
+  s->longest = fmax(s->longest, c->h);
+  double *before = s->affine + (s->slot ? 0 : 9), *after = s->affine + (s->slot ? 9 : 0);
+  hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, before, 18};
+  begin(s, c);
+  hk_liquid_sort(m, &p);
+  hk_liquid_scatter(m, &p);
+  hk_liquid_walls(m);
+  hk_liquid_find_surface(m);
+  hk_status status = hk_liquid_project(m, s->guess.item);
+  if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
+  if (status != HK_OK) return status;
+  hk_liquid_extend(m, (int)ceil(s->courant) + 2);
+  hk_liquid_gather(m, &p, after, s->full);
+  hk_liquid_move(m, &p, c->h);
+  c->changed = changed(s, c);
+  say(s, view, courant);
+  return HK_OK;
+}
+
+static double violation(void *self, const hk_view *view) {
+  const liquid *s = self;
+  const hk_liquid_particles p = {.count = s->count, .index = s->index, .x = (double *)view->x};
+  return hk_liquid_beyond(&s->method, &p);
+}
+
+static const hk_corrector corrector = {
+    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE | HK_MAY_REJECT, .correct = correct, .violation = violation};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CORRECTOR,
+    .name = "liquid",
+    .summary = "keeps particles an incompressible liquid with a free surface, by pressure on a grid: div u = 0",
+    .reference =
+        "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
+        "simulation for computer graphics, chapters 5 to 7; Kugelstadt et al. 2019, Implicit density projection",
+    .instance_size = sizeof(liquid),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .corrector = &corrector,
+};

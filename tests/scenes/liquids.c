@@ -1,0 +1,51 @@
+/* Scenes of liquids, against experiments. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static double front_at(const char *words, double t) {
+  char arguments[512];
+  snprintf(arguments, sizeof arguments,
+           "run %s/scripts/scenes/dam_break.lua --json --quiet --no-output %s --until %.9g", HK_ROOT, words, t);
+  test_hooke(&r, NULL, arguments);
+  if (r.code != 0) fail_msg("%s: exit %d: %s", words, r.code, r.err);
+  return test_json(r.out, "front");
+}
+
+/* Martin and Moyce 1952: the front Z a of a column a wide and 2 a high at T = t sqrt(2 g/a). Their diaphragm does not
+ * vanish at once: water without walls' friction is ahead of the data by 0.25 of T, at Z = 1.4 as at 3.7, which is
+ * counted in. The speed of the front, 1.3 then 1.7, is then what is compared: within 5 %, and the table is read to 2 %.
+ */
+static void a_dam_breaks_as_in_the_experiment(void **state) {
+  (void)state;
+  static const double data[][2] = {{1.19, 1.44}, {1.98, 2.33}, {2.51, 3.00}, {2.98, 3.67}};
+  const double delay = 0.25, unit = sqrt(2 * 9.81 / 0.5);
+  for (size_t k = 0; k < sizeof data / sizeof *data; k++) {
+    double front = front_at("cell=0.05", (data[k][0] - delay) / unit);
+    if (!(fabs(front / data[k][1] - 1) < 0.05)) fail_msg("T = %g: %.3f instead of %g", data[k][0], front, data[k][1]);
+  }
+}
+
+/* In space as in a plane, where nothing stands in the way: the front of a shallow tank in the middle of the table. */
+static void a_tank_in_space_flows_as_a_plane_one(void **state) {
+  (void)state;
+  double t = 0.2, plane = front_at("cell=0.0625", t), space = front_at("cell=0.0625 depth=0.125", t);
+  if (!(fabs(space / plane - 1) < 0.04)) fail_msg("%.3f in space, %.3f in a plane", space, plane);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_dam_breaks_as_in_the_experiment),
+      cmocka_unit_test(a_tank_in_space_flows_as_a_plane_one),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
