@@ -81,7 +81,8 @@ function actor.settings(plugin)
       local values = {}
       for key, value in pairs(base) do values[key] = value end
       for key, value in pairs(changes) do values[key] = value end
-      list[#list + 1] = { name = name .. suffix, values = values }
+      local refused = plugin.refused and plugin.refused[name .. suffix]
+      if not refused then list[#list + 1] = { name = name .. suffix, values = values } end
     end
     more("as it is", {})
     for _, p in ipairs(plugin.params) do
@@ -257,18 +258,21 @@ function actor.watched(plugin, report, module)
   end
 end
 
--- Whether the plugin starts; its flags and further functions are then fields of it.
+-- Whether the plugin starts; its flags and further functions are then fields of it, and `refused`: the names of settings
+-- that it refuses, as a choice that belongs to a parameter which is left out. They are not tried.
 function actor.starts(plugin, try, options)
   local fine, found = try("it starts", function(lines)
-    local told
-    actor.each(plugin, lines, function(a)
+    local known, refused = nil, {}
+    for _, setting in ipairs(actor.settings(plugin)) do refused[setting.name] = true end
+    actor.each(plugin, lines, function(a, setting)
       local flags, has = actors.flags(a)
-      if not told then lines:value { flags = flags, has = has } end
-      told = true
+      known = known or { flags = flags, has = has, refused = refused }
+      refused[setting.name] = nil
     end, options)
+    lines:value(known)
   end)
   if not fine or not found[1] then return false end
-  plugin.flags, plugin.has = found[1].flags, found[1].has
+  plugin.flags, plugin.has, plugin.refused = found[1].flags, found[1].has, found[1].refused
   return true
 end
 
