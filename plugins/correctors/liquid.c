@@ -23,6 +23,7 @@ typedef struct liquid {
   hk_array guess; /* m^2/s, the last pressure, on the grid */
   double reached; /* s, the end of the last step */
   double longest; /* s, of the steps */
+  double off;     /* by which the density within was off, at most */
   int64_t slot, said;
   uint32_t *index;
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
@@ -204,16 +205,23 @@ static double courant_of(const liquid *s, const hk_correction *c) {
   return most;
 }
 
+/* By how much the density within the liquid is off, and with it the volume; 0: by less than is seen, or the liquid has
+ * too few cells within to say. */
+static double density_off(const liquid *s) {
+  double off = s->method.mean - 1;
+  return s->method.inside > 64 && fabs(off) > 0.05 ? off : 0;
+}
+
 /* Once a run. */
 static void say(liquid *s, const hk_view *view, double courant) {
   if (s->said) return;
-  double off = s->method.mean - 1;
+  double off = density_off(s);
   if (courant > s->courant && ++s->said)
     s->host->warn(s->host,
                   "particles of the liquid pass %.3g cells in a step at t = %g s, and the step cannot be "
                   "shorter: take a smaller --dt, or larger cells",
                   courant, view->t);
-  else if (s->method.inside > 64 && fabs(off) > 0.05 && ++s->said)
+  else if (off != 0 && ++s->said)
     s->host->warn(s->host,
                   "within the liquid the density is off by %.3g %% at t = %g s, and so is its volume: take "
                   "shorter steps, more particles, or a `density` and masses that fill the space they are in",
@@ -269,14 +277,17 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_gather(m, &p, after, s->full);
   hk_liquid_move(m, &p, c->h);
   c->changed = changed(s, c);
+  s->off = fmax(s->off, fabs(density_off(s)));
   say(s, view, courant);
   return HK_OK;
 }
 
+/* m: the farthest particle beyond a wall, or by how much a cell was too full, at most. */
 static double violation(void *self, const hk_view *view) {
   const liquid *s = self;
   const hk_liquid_particles p = {.count = s->count, .index = s->index, .x = (double *)view->x};
-  return hk_liquid_beyond(&s->method, &p);
+  const double *spacing = s->method.grid.spacing;
+  return fmax(hk_liquid_beyond(&s->method, &p), s->off * fmin(spacing[0], fmin(spacing[1], spacing[2])));
 }
 
 static const hk_corrector corrector = {

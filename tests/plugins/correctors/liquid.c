@@ -252,6 +252,22 @@ static void thin_walls_are_said(void **state) {
   test_engine_close(&k.e);
 }
 
+/* Particles with a quarter more mass than fills their places: a cell is too full by a quarter of 0.05 m, less what is
+ * evened in the step. */
+static void a_density_that_is_off_is_a_violation(void **state) {
+  (void)state;
+  tank k;
+  open_tank(&k, 0.05, 1, 0.001);
+  test_number(&k.e, k.liquid, "density", 800);
+  pour(&k, 0.05, 0, 1, 0.8, 0);
+  test_run(&k.e);
+  test_advance(&k.e, 0.001);
+  const hk_instance *liquid = test_instance(&k.e, k.liquid);
+  double off = liquid->plugin->corrector->violation(liquid->self, hk_run_view(k.e.run));
+  if (!(off > 0.2 * 0.05 && off < 0.3 * 0.05)) fail_msg("%g m", off);
+  test_engine_close(&k.e);
+}
+
 static void refused(tank *k, const char *sentence) {
   assert_int_equal(hk_run_open(k->e.scene, &k->e.options, &k->e.run, &k->e.error), HK_BAD_PARAM);
   if (!strstr(k->e.error.text, sentence)) fail_msg("'%s' in: %s", sentence, k->e.error.text);
@@ -295,6 +311,7 @@ int main(void) {
       cmocka_unit_test(threads_do_not_change_bits),
       cmocka_unit_test(cloth_and_strands_are_no_liquid),
       cmocka_unit_test(thin_walls_are_said),
+      cmocka_unit_test(a_density_that_is_off_is_a_violation),
       cmocka_unit_test(obstacles_come_first),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
