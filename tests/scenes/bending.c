@@ -12,14 +12,6 @@
 
 static test_result r;
 
-static void run(const char *scene, const char *options) {
-  char arguments[1024];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output %s", HK_ROOT, scene,
-           options);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s: exit %d: %s", scene, r.code, r.err);
-}
-
 /* The elastica of w L^3/EI = 0.2, 1, 5 and 20 (shooting, 14 digits). With 20 segments tips are off by 1.2e-3 at most,
  * and with 10 by four times that: order 2. What swings is left is below 1e-5. */
 static void cantilevers_rest_on_the_elastica(void **state) {
@@ -33,7 +25,7 @@ static void cantilevers_rest_on_the_elastica(void **state) {
               {"w L^3/EI = 20", 0.8298814434}};
   double off[2][4];
   for (int level = 0; level < 2; level++) {
-    run("cantilever", level ? "n=20" : "n=10");
+    test_scene(&r, "cantilever", level ? "n=20" : "n=10");
     for (int k = 0; k < 4; k++) {
       char key[40];
       snprintf(key, sizeof key, "%s: drop", rods[k].name);
@@ -51,9 +43,9 @@ static void cantilevers_rest_on_the_elastica(void **state) {
 /* 1 rad below the critical angle of 10.88 rad a ring lies flat, 1 rad above it has left its plane. */
 static void a_twisted_ring_leaves_its_plane(void **state) {
   (void)state;
-  run("michell", "n=24 most=10 --until 22");
+  test_scene(&r, "michell", "n=24 most=10 --until 22");
   if (!(test_json(r.out, "out of plane") < 2e-3)) fail_msg("out of plane at 10 rad: %s", r.out);
-  run("michell", "n=24 most=12 --until 22");
+  test_scene(&r, "michell", "n=24 most=12 --until 22");
   if (!(test_json(r.out, "out of plane") > 0.05)) fail_msg("flat at 12 rad: %s", r.out);
 }
 

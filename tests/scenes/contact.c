@@ -14,11 +14,7 @@
 static test_result r;
 
 static void run(const char *scene, const char *options) {
-  char arguments[1024];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output %s", HK_ROOT, scene,
-           options);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s: exit %d: %s", scene, r.code, r.err);
+  test_scene(&r, scene, options);
   assert_true(test_json(r.out, "intersections") == 0);
 }
 

@@ -12,14 +12,6 @@
 
 static test_result r;
 
-static void run(const char *name, const char *words) {
-  char arguments[512];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output --trust %s", HK_ROOT,
-           name, words);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s %s: exit %d: %s", name, words, r.code, r.err);
-}
-
 static void near(double found, double wanted, double tolerance) {
   if (!(fabs(found - wanted) <= tolerance)) fail_msg("%.17g instead of %.17g", found, wanted);
 }
@@ -29,7 +21,7 @@ static void near(double found, double wanted, double tolerance) {
  * less. Without the collisions across the faces it is 0.18. */
 static void a_granular_gas_cools_by_haffs_law(void **state) {
   (void)state;
-  run("granular_gas", "n=900 stiffness=2000 restitution=0.9 --until 0.3");
+  test_scene(&r, "granular_gas", "n=900 stiffness=2000 restitution=0.9 --until 0.3 --trust");
   near(test_json(r.out, "haff"), 0.95, 0.1);
   assert_true(test_json(r.out, "momentum_drift") < 1e-13); /* rounding */
 }

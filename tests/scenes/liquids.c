@@ -13,11 +13,9 @@
 static test_result r;
 
 static double front_at(const char *words, double t) {
-  char arguments[512];
-  snprintf(arguments, sizeof arguments,
-           "run %s/scripts/scenes/dam_break.lua --json --quiet --no-output %s --until %.9g", HK_ROOT, words, t);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s: exit %d: %s", words, r.code, r.err);
+  char options[512];
+  snprintf(options, sizeof options, "%s --until %.9g", words, t);
+  test_scene(&r, "dam_break", options);
   return test_json(r.out, "front");
 }
 

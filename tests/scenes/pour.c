@@ -12,14 +12,6 @@
 
 static test_result r;
 
-static void run(const char *name, const char *words) {
-  char arguments[512];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output --trust %s", HK_ROOT,
-           name, words);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s %s: exit %d: %s", name, words, r.code, r.err);
-}
-
 static void near(double found, double wanted, double tolerance) {
   if (!(fabs(found - wanted) <= tolerance)) fail_msg("%.17g instead of %.17g", found, wanted);
 }
@@ -30,7 +22,7 @@ static void near(double found, double wanted, double tolerance) {
  * once. */
 static void water_falls_out_of_the_spout(void **state) {
   (void)state;
-  run("pour", "size=0.02 --until 0.1");
+  test_scene(&r, "pour", "size=0.02 --until 0.1 --trust");
   near(test_json(r.out, "lowest"), 0.41 - 1.2 * 0.1 - 9.81 * 0.1 * 0.1 / 2, 1e-12);
   near(test_json(r.out, "grains"), 40.5, 0.5);
 }

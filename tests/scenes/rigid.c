@@ -12,14 +12,6 @@
 
 static test_result r;
 
-static void run(const char *scene, const char *options) {
-  char arguments[1024];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output %s", HK_ROOT, scene,
-           options);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s: exit %d: %s", scene, r.code, r.err);
-}
-
 static void near(const char *key, double wanted, double tolerance) {
   double got = test_json(r.out, key);
   if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g is not within %g of %.17g", key, got, tolerance, wanted);
@@ -30,7 +22,7 @@ static void near(const char *key, double wanted, double tolerance) {
  * flips it is the other way round. */
 static void the_handle_turns_over(void **state) {
   (void)state;
-  run("t_handle", "--until 0");
+  test_scene(&r, "t_handle", "--until 0");
   double energy = test_json(r.out, "kinetic energy"), L = test_json(r.out, "angular momentum");
   near("spin", 6, 1e-12);
   if (!(fabs(2 * energy / L - 6) < 6e-3)) fail_msg("2 E/L is %g", 2 * energy / L);
@@ -38,7 +30,7 @@ static void the_handle_turns_over(void **state) {
   for (int k = 1; k < 12; k++) {
     char options[40];
     snprintf(options, sizeof options, "--until %g", k / 3.0);
-    run("t_handle", options);
+    test_scene(&r, "t_handle", options);
     near("kinetic energy", energy, 1e-11 * energy);
     near("angular momentum", L, 1e-11 * L);
     least = fmin(least, test_json(r.out, "spin"));
@@ -49,7 +41,7 @@ static void the_handle_turns_over(void **state) {
 /* A fast top goes round at m g l/L up to terms of the order of (rate/spin) and of its nod: 3 % here. */
 static void the_gyroscope_goes_round(void **state) {
   (void)state;
-  run("gyroscope", "duration=3");
+  test_scene(&r, "gyroscope", "duration=3");
   near("rate", 1, 0.03);
   if (!(test_json(r.out, "height") > 0.45)) fail_msg("it has fallen to %g m", test_json(r.out, "height"));
 }
@@ -57,10 +49,10 @@ static void the_gyroscope_goes_round(void **state) {
 /* Each pushes the next one over; what rubs and lands takes energy, and nothing passes. */
 static void the_dominoes_fall(void **state) {
   (void)state;
-  run("dominoes", "n=2 duration=0.1");
+  test_scene(&r, "dominoes", "n=2 duration=0.1");
   double before = test_json(r.out, "energy of the row");
   near("fallen", 0, 0);
-  run("dominoes", "n=2 duration=0.5");
+  test_scene(&r, "dominoes", "n=2 duration=0.5");
   near("fallen", 2, 0);
   near("intersections", 0, 0);
   if (!(test_json(r.out, "energy of the row") < before))
@@ -70,18 +62,18 @@ static void the_dominoes_fall(void **state) {
 /* 5/7 of 6 m/s at 0.87 s, before the first pin; then something falls, and nothing passes. */
 static void the_bowling_ball_rolls_and_hits(void **state) {
   (void)state;
-  run("bowling", "rows=1 duration=1.1");
+  test_scene(&r, "bowling", "rows=1 duration=1.1");
   near("slip", 0, 1e-6);
   near("intersections", 0, 0);
   if (!(test_json(r.out, "fallen") == 1)) fail_msg("the pin stands");
-  run("bowling", "rows=1 speed=3 duration=0.6");
+  test_scene(&r, "bowling", "rows=1 speed=3 duration=0.6");
   near("slip", 0, 1e-9);
   near("speed of the ball", 3 * 5 / 7.0, 1e-6);
 }
 
 static void balls_go_round_on_the_turntable(void **state) {
   (void)state;
-  run("turntable", "duration=1");
+  test_scene(&r, "turntable", "duration=1");
   near("rate", 1, 1e-6);
   near("off", 0, 1e-7);
 }

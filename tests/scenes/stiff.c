@@ -15,11 +15,9 @@
 static test_result r;
 
 static void run(const char *scene, const char *options) {
-  char arguments[1024];
-  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output --state end.csv %s",
-           HK_ROOT, scene, options);
-  test_hooke(&r, NULL, arguments);
-  if (r.code != 0) fail_msg("%s %s: exit %d: %s", scene, options, r.code, r.err);
+  char all[512];
+  snprintf(all, sizeof all, "--state end.csv %s", options);
+  test_scene(&r, scene, all);
 }
 
 /* A measure, for other keys of the summary may have the same name. */
@@ -224,8 +222,8 @@ static double distance(void) {
 }
 
 /* Both by rk4 with the same steps, at h w = 0.4: what differs is rounding, 1e-16 m a step, grown by the motion. bdf2
- * with half the step has a quarter of the error where it resolves the vibrations; the scene's own method damps them, and
- * is good to what measurements on such cloth can tell apart, 1e-2 m. */
+ * with half the step has a quarter of the error where it resolves the vibrations; the scene's own method damps them,
+ * and is good to what measurements on such cloth can tell apart, 1e-2 m. */
 static void stiff_cloth_falls_as_in_a_plain_program(void **state) {
   (void)state;
   double c = 10, t = 0.25;

@@ -77,6 +77,14 @@ double test_json(const char *json, const char *key) {
   return end == at || strncmp(at, "null", 4) == 0 ? NAN : value;
 }
 
+void test_scene(test_result *r, const char *name, const char *options) {
+  char arguments[1024];
+  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output %s", HK_ROOT, name,
+           options);
+  test_hooke(r, NULL, arguments);
+  if (r->code != 0) fail_msg("%s %s: exit %d: %s", name, options, r->code, r->err);
+}
+
 void test_refused(const char *scene, const char *arguments, int code, const char *text) {
   static test_result r;
   char all[1024];

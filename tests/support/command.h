@@ -12,6 +12,9 @@ typedef struct test_result {
 /* Runs "hooke ARGUMENTS" through the shell in a fresh folder of the test's own (test_folder()). `before` goes in front,
  * such as "ulimit -f 1;", or NULL. */
 void test_hooke(test_result *, const char *before, const char *arguments);
+/* Runs scripts/scenes/NAME.lua with --json and without output; fails the test where it ends with another code than 0.
+ */
+void test_scene(test_result *, const char *name, const char *options);
 /* The fresh folder, made at the first call and removed at exit. */
 const char *test_folder(void);
 /* Writes a file there; returns its path (valid until the next 8 calls). */

@@ -98,15 +98,6 @@ static hk_lua_joint *self(lua_State *L, int kind, int other, const char *what) {
   return j;
 }
 
-static int push_vector(lua_State *L, const double vector[3]) {
-  lua_createtable(L, 3, 0);
-  for (int k = 0; k < 3; k++) {
-    lua_pushnumber(L, vector[k]);
-    lua_rawseti(L, -2, k + 1);
-  }
-  return 1;
-}
-
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static void turned(const double R[9], const double y[3], double u[3]) {
@@ -290,13 +281,13 @@ static loads loads_of(lua_State *L, const char *form) {
 /* N, on a. */
 static int force(lua_State *L) {
   loads l = loads_of(L, "joint:force(state)");
-  return push_vector(L, l.force);
+  return hk_rigid_push_vector(L, l.force);
 }
 
 /* N m, on a, about the joint's point on a. */
 static int torque(lua_State *L) {
   loads l = loads_of(L, "joint:torque(state)");
-  return push_vector(L, l.torque);
+  return hk_rigid_push_vector(L, l.torque);
 }
 
 /* ---- the points of what is free ---- */

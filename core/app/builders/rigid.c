@@ -59,20 +59,22 @@ void hk_rigid_place_of(const hk_rigid_body *b, const hk_rigid_motion *m, const d
   }
 }
 
-static int push_vector(lua_State *L, const double vector[3]) {
+int hk_rigid_push_vector(lua_State *L, const double vector[3]) {
   push_numbers(L, vector, 3);
   return 1;
 }
 
 static int position(lua_State *L) {
-  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:position(state)").center);
+  return hk_rigid_push_vector(L, hk_rigid_motion_at(L, self(L), "body:position(state)").center);
 }
 static int velocity(lua_State *L) {
-  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:velocity(state)").velocity);
+  return hk_rigid_push_vector(L, hk_rigid_motion_at(L, self(L), "body:velocity(state)").velocity);
 }
-static int spin(lua_State *L) { return push_vector(L, hk_rigid_motion_at(L, self(L), "body:spin(state)").spin); }
+static int spin(lua_State *L) {
+  return hk_rigid_push_vector(L, hk_rigid_motion_at(L, self(L), "body:spin(state)").spin);
+}
 static int momentum(lua_State *L) {
-  return push_vector(L, hk_rigid_motion_at(L, self(L), "body:momentum(state)").momentum);
+  return hk_rigid_push_vector(L, hk_rigid_motion_at(L, self(L), "body:momentum(state)").momentum);
 }
 
 static int energy(lua_State *L) {
@@ -84,11 +86,11 @@ static int energy(lua_State *L) {
 static int angular_momentum(lua_State *L) {
   hk_rigid_motion m = hk_rigid_motion_at(L, self(L), "body:angular_momentum(state)");
   double about[3];
-  if (lua_isnoneornil(L, 3)) return push_vector(L, m.angular_momentum);
+  if (lua_isnoneornil(L, 3)) return hk_rigid_push_vector(L, m.angular_momentum);
   hk_lua_vector(L, 3, "body:angular_momentum(state, {x, y, z})", about);
   for (int c = 0, d = 1, e = 2; c < 3; c++, d = (d + 1) % 3, e = (e + 1) % 3)
     m.angular_momentum[c] += (m.center[d] - about[d]) * m.momentum[e] - (m.center[e] - about[e]) * m.momentum[d];
-  return push_vector(L, m.angular_momentum);
+  return hk_rigid_push_vector(L, m.angular_momentum);
 }
 
 /* The quaternion {w, x, y, z}, and the matrix by rows. */

@@ -17,6 +17,7 @@ hk_lua_rigid *hk_rigid_push(lua_State *L, int scene, const hk_lua_rigid *);
 hk_lua_rigid *hk_rigid_to(lua_State *L, int index); /* NULL: the value is no rigid body */
 /* Adds a rider of the body at the point y of its frame, m, and returns its id. */
 uint32_t hk_rigid_add_point(lua_State *L, hk_scene *, const hk_lua_rigid *, const double y[3]);
+int hk_rigid_push_vector(lua_State *, const double vector[3]); /* {x, y, z}; returns 1 */
 /* Its motion in the state at index 2; an error shows the form of the call. */
 hk_rigid_motion hk_rigid_motion_at(lua_State *L, const hk_lua_rigid *, const char *form);
 /* The place, m, of the point y of its frame. */

@@ -1,10 +1,11 @@
-/* One pass over the neighbours of each particle, in their order, for the mean and the covariance; its axes by Jacobi's
- * rotations (Golub and Van Loan, Matrix Computations, 8.5). */
+/* One pass over the neighbours of each particle, in their order, for the mean and the covariance, whose axes are those
+ * of the kernel. */
 #include "plugins/common/particle_surface/particle_kernels.h"
+#include "plugins/common/solids/matrix3.h"
 
 #include <string.h>
 
-enum { GRAIN = 64, SWEEPS = 30 };
+enum { GRAIN = 64 };
 
 static const double full = 0.15; /* the covariance of a full liquid, parts of reach^2 */
 
@@ -15,8 +16,9 @@ typedef struct task {
   double (*mean)[3]; /* n x 3, m: from each particle to the weighted mean of what is within its reach */
 } task;
 
+/* Of the covariance the upper triangle is there. */
 typedef struct moments {
-  double mean[3], covariance[3][3]; /* m from the particle; m^2 */
+  double mean[3], covariance[9]; /* m from the particle; m^2 */
   size_t neighbours;
 } moments;
 
@@ -37,13 +39,12 @@ static void take_moments(const hk_particle_field *f, size_t i, moments *m) {
     sum += w;
     for (int a = 0; a < 3; a++) {
       m->mean[a] += w * d[a];
-      for (int b = 0; b <= a; b++) m->covariance[a][b] += w * d[a] * d[b];
+      for (int b = a; b < 3; b++) m->covariance[3 * a + b] += w * d[a] * d[b];
     }
   }
   for (int a = 0; a < 3; a++) m->mean[a] /= sum;
   for (int a = 0; a < 3; a++)
-    for (int b = 0; b <= a; b++)
-      m->covariance[b][a] = m->covariance[a][b] = m->covariance[a][b] / sum - m->mean[a] * m->mean[b];
+    for (int b = a; b < 3; b++) m->covariance[3 * a + b] = m->covariance[3 * a + b] / sum - m->mean[a] * m->mean[b];
 }
 
 /* The centre of particle i: its own mean, less the average of its neighbours'. */
@@ -62,46 +63,17 @@ static void place_centre(const task *t, size_t i) {
   for (int c = 0; c < 3; c++) t->to->centre[i][c] = x[c] + part * (t->mean[i][c] - average[c] / sum);
 }
 
-/* ---- axes ---- */
-
-/* A = J^T A J and V = V J for the rotation J of the axes p and q that makes A[p][q] 0. */
-static void rotate(double A[3][3], double V[3][3], int p, int q) {
-  if (A[p][q] == 0) return;
-  double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]), t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
-  double c = 1 / sqrt(t * t + 1), s = t * c;
-  for (int k = 0; k < 3; k++) {
-    double a = A[k][p], b = A[k][q], u = V[k][p], v = V[k][q];
-    A[k][p] = c * a - s * b, A[k][q] = s * a + c * b;
-    V[k][p] = c * u - s * v, V[k][q] = s * u + c * v;
-  }
-  for (int k = 0; k < 3; k++) {
-    double a = A[p][k], b = A[q][k];
-    A[p][k] = c * a - s * b, A[q][k] = s * a + c * b;
-  }
-}
-
-/* A becomes diagonal, to rounding; the columns of V are its eigenvectors. */
-static void find_axes(double A[3][3], double V[3][3]) {
-  double size = fabs(A[0][0]) + fabs(A[1][1]) + fabs(A[2][2]);
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++) V[a][b] = a == b;
-  for (int sweep = 0; sweep < SWEEPS; sweep++) {
-    if (!(fabs(A[0][1]) + fabs(A[0][2]) + fabs(A[1][2]) > 1e-16 * size)) return;
-    rotate(A, V, 0, 1), rotate(A, V, 0, 2), rotate(A, V, 1, 2);
-  }
-}
-
 /* ---- kernels ---- */
 
 /* Amplitudes are such that the sum over a full lattice is 1: V / (pi h^3 s1 s2 s3) with V = (2 radius)^3 and h =
  * reach / 2. */
 static void set_kernel(hk_particle_kernel *k, const hk_particle_surface_options *o, const double axis[3],
-                       double V[3][3]) {
+                       const double V[9]) {
   static const int first[6] = {0, 1, 2, 1, 0, 0}, second[6] = {0, 1, 2, 2, 2, 1};
   double h = o->reach / 2, ratio = 2 * o->radius / h, largest = fmax(axis[0], fmax(axis[1], axis[2]));
   for (int e = 0; e < 6; e++) {
     k->form[e] = 0;
-    for (int c = 0; c < 3; c++) k->form[e] += V[first[e]][c] * V[second[e]][c] / (axis[c] * axis[c] * h * h);
+    for (int c = 0; c < 3; c++) k->form[e] += V[3 * first[e] + c] * V[3 * second[e] + c] / (axis[c] * axis[c] * h * h);
   }
   k->amplitude = ratio * ratio * ratio / (3.14159265358979323846 * axis[0] * axis[1] * axis[2]);
   k->reach = o->reach * largest;
@@ -109,15 +81,15 @@ static void set_kernel(hk_particle_kernel *k, const hk_particle_surface_options 
 
 static void make_kernel(const task *t, size_t i) {
   const hk_particle_surface_options *o = t->o;
-  double V[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, axis[3] = {o->lone, o->lone, o->lone};
+  double V[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, axis[3] = {o->lone, o->lone, o->lone}, square[3];
   moments m;
   take_moments(t->near, i, &m);
   memcpy(t->mean[i], m.mean, sizeof m.mean);
   if (m.neighbours > o->few) {
-    find_axes(m.covariance, V);
+    hk_matrix3_eigen(m.covariance, square, V);
     double largest = o->lone, unit = full * o->reach * o->reach;
-    for (int c = 0; c < 3; c++) largest = fmax(largest, m.covariance[c][c] / unit);
-    for (int c = 0; c < 3; c++) axis[c] = fmax(m.covariance[c][c] / unit, largest / o->stretch);
+    for (int c = 0; c < 3; c++) largest = fmax(largest, square[c] / unit);
+    for (int c = 0; c < 3; c++) axis[c] = fmax(square[c] / unit, largest / o->stretch);
   }
   set_kernel(&t->to->kernel[i], o, axis, V);
 }

@@ -3,7 +3,7 @@
  * line, none. A body whose particles lie on a line has no inertia about it: eigenvalues of I below `small` times the
  * trace count as 0. */
 #include "plugins/common/turns/body_turns.h"
-
+#include "plugins/common/solids/matrix3.h"
 #include "plugins/kit/vector3.h"
 
 static const double small = 1e-12;    /* relative to the trace of I: a body with a thickness of 1e-6 of its length */
@@ -112,35 +112,16 @@ static void find_pins(hk_body_turns *m, const double *x) {
   }
 }
 
-/* Jacobi's rotations: the rows of V become the eigenvectors of the symmetric S, its diagonal the eigenvalues. */
-static void diagonalize(double S[3][3], double V[3][3]) {
-  for (int sweep = 0; sweep < 12; sweep++)
-    for (int p = 0; p < 2; p++)
-      for (int q = p + 1; q < 3; q++) {
-        if (S[p][q] == 0) continue;
-        double theta = (S[q][q] - S[p][p]) / (2 * S[p][q]);
-        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < 3; k++) {
-          double a = S[k][p], b = S[k][q];
-          S[k][p] = c * a - s * b, S[k][q] = s * a + c * b;
-        }
-        for (int k = 0; k < 3; k++) {
-          double a = S[p][k], b = S[q][k], v = V[p][k], w = V[q][k];
-          S[p][k] = c * a - s * b, S[q][k] = s * a + c * b;
-          V[p][k] = c * v - s * w, V[q][k] = s * v + c * w;
-        }
-      }
-}
-
 /* A = I^-1 torque, about the axes with inertia. */
 static void turn_freely(hk_turning_body *b) {
-  const double *tensor = b->inertia;
-  double S[3][3] = {
-      {tensor[0], tensor[1], tensor[2]}, {tensor[1], tensor[3], tensor[4]}, {tensor[2], tensor[4], tensor[5]}};
-  double V[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, trace = tensor[0] + tensor[3] + tensor[5];
-  diagonalize(S, V);
-  for (int k = 0; k < 3; k++)
-    for (int c = 0; c < 3 && S[k][k] > small * trace; c++) b->turn[c] += V[k][c] * hk_dot(V[k], b->torque) / S[k][k];
+  const double *t = b->inertia, trace = t[0] + t[3] + t[5];
+  const double tensor[9] = {t[0], t[1], t[2], t[1], t[3], t[4], t[2], t[4], t[5]};
+  double value[3], Q[9];
+  hk_matrix3_eigen(tensor, value, Q);
+  for (int k = 0; k < 3; k++) {
+    const double axis[3] = {Q[k], Q[3 + k], Q[6 + k]};
+    if (value[k] > small * trace) hk_add_scaled(b->turn, hk_dot(axis, b->torque) / value[k], axis);
+  }
 }
 
 static void turn_about(hk_turning_body *b, const double *x) {

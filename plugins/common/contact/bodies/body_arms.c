@@ -1,7 +1,6 @@
 /* See body_arms.h. Every vector that turns with a rigid body is a combination of its four carriers: -radius n = sum of
  * weight[c] (x_c - x_0), solved by Cramer's rule. The nearest places x_1 and x_2 of both sides touch at x_1 - r_1 n and
- * x_2
- * + r_2 n, so both arms add the same vector to the difference x_1 - x_2. */
+ * x_2 + r_2 n, so both arms add the same vector to the difference x_1 - x_2. */
 #include "plugins/common/contact/bodies/body_arms.h"
 #include "plugins/kit/vector3.h"
 
