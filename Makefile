@@ -185,7 +185,7 @@ test-long:
 	$(again) test-programs
 	@HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" tests/run $B --long $(if $(ONLY),--only "$(ONLY)") $(tests)
 	@$(WITH_CC) tools/install-deps systems
-	+@failed=0; for t in tests/long/*.sh; do case $$t in *"$(ONLY)"*) echo "== $$t"; $$t || failed=1 ;; esac; done; exit $$failed
+	+@failed=0; for t in tests/long/*.sh; do case $$t in *"$(ONLY)"*) echo "== $$t"; $$t || { echo "failed: $$t"; failed=1; } ;; esac; done; exit $$failed
 
 SECONDS := 60
 SEED    := $(shell date +%s)

@@ -34,6 +34,12 @@ static int set_quiet(lua_State *L) {
   return 0;
 }
 
+/* blamed() -> whether the last error of the engine blames a value that the user gave. */
+static int blamed(lua_State *L) {
+  lua_pushboolean(L, hk_lua_script(L)->raised.status == HK_BAD_PARAM);
+  return 1;
+}
+
 /* destroy(run): its plugins are destroyed now, not with the script. The run may not be used afterwards. */
 static int destroy(lua_State *L) {
   hk_lua_run(L);
@@ -345,6 +351,7 @@ int luaopen_inspect(lua_State *L) {
                                        {"allocations", set_allocations},
                                        {"folder", set_folder},
                                        {"destroy", destroy},
+                                       {"blamed", blamed},
                                        {"quiet", set_quiet},
                                        {"watch", watch},
                                        {"fill", set_fill},

@@ -145,10 +145,10 @@ end
 -- An error's text without the place in a script.
 function actor.plain(why) return (tostring(why):gsub("^%S+%.lua:%d+: ", "")) end
 
--- Calls body(a, setting, run) with the plugin of a run at its start, in every setting that it takes. That it takes none is
--- an error with the reason of the first refusal.
+-- Calls body(a, setting, run) with the plugin of a run at its start, in every setting that starts, and returns the names of
+-- those whose values it refuses (HK_BAD_PARAM), as keys. That none starts is an error with the reason of the first.
 function actor.each(plugin, lines, body, options)
-  local taken, refused = 0, nil
+  local taken, reason, refused = 0, nil, {}
   for _, setting in ipairs(actor.settings(plugin)) do
     lines:at("%s", setting.name)
     local scene -- lives as long as its run is looked at
@@ -161,9 +161,13 @@ function actor.each(plugin, lines, body, options)
     if fine then
       taken = taken + 1
       body(actors.open(run, plugin.kind, options and options.side), setting, run, scene)
-    else refused = refused or actor.plain(run) end
+    else
+      reason = reason or actor.plain(run)
+      if inspect.blamed() then refused[setting.name] = true end
+    end
   end
-  if taken == 0 then error(refused, 0) end
+  if taken == 0 then error(reason, 0) end
+  return refused
 end
 
 -- An actor in a run of its own, where services serve it alone; nil: the setting is refused. The second result has to live as
@@ -259,16 +263,15 @@ function actor.watched(plugin, report, module)
 end
 
 -- Whether the plugin starts; its flags and further functions are then fields of it, and `refused`: the names of settings
--- that it refuses, as a choice that belongs to a parameter which is left out. They are not tried.
+-- that it refuses, as a choice that belongs to a parameter which is left out. They are not tried; what fails otherwise is.
 function actor.starts(plugin, try, options)
   local fine, found = try("it starts", function(lines)
-    local known, refused = nil, {}
-    for _, setting in ipairs(actor.settings(plugin)) do refused[setting.name] = true end
-    actor.each(plugin, lines, function(a, setting)
+    local known
+    local refused = actor.each(plugin, lines, function(a)
       local flags, has = actors.flags(a)
-      known = known or { flags = flags, has = has, refused = refused }
-      refused[setting.name] = nil
+      known = known or { flags = flags, has = has }
     end, options)
+    known.refused = refused
     lines:value(known)
   end)
   if not fine or not found[1] then return false end
