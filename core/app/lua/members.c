@@ -31,7 +31,7 @@ static int no_run_member(lua_State *L) {
   keys list = keys_of(L);
   if (lua_type(L, 2) == LUA_TSTRING && hk_lua_state_has(lua_tostring(L, 2)))
     return hk_lua_fail(L, HK_BAD_PARAM, "a run has no '%s'; its state has: run:state()", lua_tostring(L, 2));
-  return hk_lua_no_member(L, "a run", key_at, &list, "it has state, summary and save");
+  return hk_lua_no_member(L, "a run", key_at, &list, "it has state, summary, measures and save");
 }
 
 /* Pushes "it has a, b". */

@@ -21,6 +21,17 @@ static void set_text(lua_State *L, const char *key, const char *value) {
   lua_setfield(L, -2, key);
 }
 
+/* Pushes { name = value }; what is not finite is nil. */
+static void push_measures(lua_State *L, size_t count, const char *const *name, const double *value) {
+  lua_createtable(L, 0, (int)count);
+  for (size_t k = 0; k < count; k++)
+    if (isfinite(value[k])) {
+      hk_lua_push_plain(L, name[k]);
+      lua_pushnumber(L, value[k]);
+      lua_rawset(L, -3);
+    }
+}
+
 static void push_lists(lua_State *L, const hk_summary *s) {
   lua_createtable(L, (int)s->plugins, 0);
   for (size_t k = 0; k < s->plugins; k++) {
@@ -32,13 +43,7 @@ static void push_lists(lua_State *L, const hk_summary *s) {
     lua_rawseti(L, -2, (lua_Integer)k + 1);
   }
   lua_setfield(L, -2, "plugins");
-  lua_createtable(L, 0, (int)s->measures);
-  for (size_t k = 0; k < s->measures; k++)
-    if (isfinite(s->measure[k])) {
-      hk_lua_push_plain(L, s->measure_name[k]);
-      lua_pushnumber(L, s->measure[k]);
-      lua_rawset(L, -3);
-    }
+  push_measures(L, s->measures, s->measure_name, s->measure);
   lua_setfield(L, -2, "measures");
 }
 
@@ -85,6 +90,15 @@ static int summary(lua_State *L) {
   hk_summary s;
   hk_run_summary(hk_lua_run(L), &s);
   hk_lua_push_summary(L, &s);
+  return 1;
+}
+
+/* measures() -> { name = value } of the present time; those of the summary are the last frame's. */
+static int measures(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  hk_judgement *j = &run->judgement;
+  hk_lua_check(L, hk_figures_measure(&run->loop, j, run), &run->error);
+  push_measures(L, j->scene->measures, j->measure_name, j->measure);
   return 1;
 }
 
@@ -211,7 +225,7 @@ int hk_lua_scene_run(lua_State *L) {
 
 void hk_lua_open_run(lua_State *L) {
   static const luaL_Reg methods[] = {
-      {"state", state}, {"summary", summary}, {"save", save}, {"packed", packed}, {NULL, NULL}};
+      {"state", state}, {"summary", summary}, {"measures", measures}, {"save", save}, {"packed", packed}, {NULL, NULL}};
   luaL_newmetatable(L, hk_lua_run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);

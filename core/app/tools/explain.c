@@ -129,6 +129,24 @@ static void push_solver(lua_State *L, const hk_run *run) {
   lua_setfield(L, -2, "warnings");
 }
 
+/* Pushes the parameters that the script declares: { name, help, type, initial (a text), min, max }. */
+static void push_parameters(lua_State *L, const hk_script *script) {
+  const hk_param_declared *param;
+  size_t count = hk_script_params(script, &param);
+  lua_createtable(L, (int)count, 0);
+  for (size_t k = 0; k < count; k++) {
+    lua_newtable(L);
+    hk_tool_set_text(L, "name", param[k].name);
+    hk_tool_set_text(L, "help", param[k].help);
+    hk_tool_set_text(L, "type", param[k].type);
+    hk_tool_set_text(L, "initial", param[k].initial);
+    hk_tool_set_number(L, "min", param[k].min);
+    hk_tool_set_number(L, "max", param[k].max);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "parameters");
+}
+
 static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
@@ -208,9 +226,10 @@ int hk_tool_explain(lua_State *L) {
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = estimate(run, &spectrum, &error);
-  if (status == HK_OK)
+  if (status == HK_OK) {
     describe(L, run, &spectrum);
-  else
+    push_parameters(L, script);
+  } else
     lua_pushnil(L);
   hk_run_destroy(run);
   hk_script_close(script);

@@ -23,7 +23,7 @@ static void momenta(hk_loop *loop, hk_frame *frame) {
   if (scale > loop->record->momentum_scale) loop->record->momentum_scale = scale;
 }
 
-static hk_status measure(hk_loop *loop, hk_judgement *j, const void *caller) {
+hk_status hk_figures_measure(hk_loop *loop, hk_judgement *j, const void *caller) {
   double t = loop->state->t;
   for (size_t k = 0; k < j->scene->measures; k++) {
     const hk_measure *m = &j->scene->measure[k];
@@ -86,7 +86,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   }
   bool plausible = isfinite(total) && !(total - r->energy_first - frame->work > r->kinetic_max);
   hk_status status = first || plausible ? hk_snapshot_take(&j->last_good, loop->state, loop->error) : HK_OK;
-  return status == HK_OK ? measure(loop, j, caller) : status;
+  return status == HK_OK ? hk_figures_measure(loop, j, caller) : status;
 }
 
 /* Positions that the scene's `exact` gives at a time, 3 numbers for each of the first particles. */

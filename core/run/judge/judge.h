@@ -77,6 +77,8 @@ double hk_trajectory_channel_change(const hk_trajectory *, const hk_scene *, siz
 /* Fills judgement->last_frame and the record; keeps a snapshot of the state when its energy is plausible. `caller` is
  * passed to measures. */
 hk_status hk_figures_take(hk_loop *, hk_judgement *, const void *caller);
+/* The scene's measures of the present state, which is not that of a frame where a run stopped between two. */
+hk_status hk_figures_measure(hk_loop *, hk_judgement *, const void *caller);
 /* *error: m, RMS over the particles whose positions the scene's `exact` gives; NAN: there is none. On a failure of that
  * function it is NAN, too, and `cause` says why. */
 hk_status hk_figures_exact(const hk_scene *, hk_loop *, double *error, hk_error *cause);

@@ -1,0 +1,88 @@
+-- Measured data: a table of comma-separated values whose first line names the columns: `t`, in s; names of measures of the
+-- scene; and with "_sd" behind such a name the standard deviations of its numbers. Empty cells are gaps, lines that begin
+-- with # are remarks.
+local data = {}
+
+local function split(line)
+  local cells = {}
+  for cell in (line .. ","):gmatch("([^,]*),") do cells[#cells + 1] = cell:match("^%s*\"?(.-)\"?%s*$") end
+  return cells
+end
+
+local function is_finite(x) return x ~= nil and x - x == 0 end
+
+-- What each column holds: { time = true }, { measure = name } or { sd = name }; or nil and what is wrong.
+local function columns_of(cells, known)
+  local columns, found, list = {}, {}, {}
+  for name in pairs(known) do list[#list + 1] = name end
+  table.sort(list)
+  for k, cell in ipairs(cells) do
+    local of = cell:match("^(.+)_sd$")
+    if found[cell] then return nil, ("the column '%s' is there twice"):format(cell) end
+    found[cell] = true
+    if cell == "t" then columns[k] = { time = true }
+    elseif known[cell] then columns[k] = { measure = cell }
+    elseif of and known[of] then columns[k] = { sd = of }
+    else
+      local near = hooke.nearest(cell, list)
+      return nil, ("the column '%s' is no measure of the scene; %s"):format(cell, near and ("did you mean '%s'?"):format(near)
+        or #list > 0 and "it has " .. table.concat(list, ", ") or "it has none: scene:measure(name, function)")
+    end
+  end
+  if not found.t then return nil, "there is no column 't', the time in s" end
+  for _, column in ipairs(columns) do
+    if column.sd and not found[column.sd] then return nil, ("'%s_sd' is there, '%s' is not"):format(column.sd, column.sd) end
+  end
+  return columns
+end
+
+-- Adds the observations of one line; or nil and what is wrong.
+local function read_line(cells, columns, names, duration, list, number)
+  local value = {}
+  if #cells ~= #columns then return nil, ("%d numbers, and %d columns"):format(#cells, #columns) end
+  for k, cell in ipairs(cells) do
+    local x = tonumber(cell)
+    if cell ~= "" and not is_finite(x) then return nil, ("%s: '%s' is not a finite number"):format(names[k], cell) end
+    if columns[k].time and not x then return nil, "the time is missing" end
+    if columns[k].sd and x and x <= 0 then return nil, ("%s: '%s' is not positive"):format(names[k], cell) end
+    value[names[k]] = x
+  end
+  if value.t < 0 or value.t > duration then
+    return nil, ("t = %g s is outside of the run, 0 to %g s"):format(value.t, duration)
+  end
+  for k, column in ipairs(columns) do
+    local y = column.measure and value[names[k]]
+    if y then list[#list + 1] = { t = value.t, name = names[k], value = y, sd = value[names[k] .. "_sd"], line = number } end
+  end
+  return true
+end
+
+-- known: { name = true } of the scene's measures; duration: of its run, s. Returns the observations { t, name, value, sd,
+-- line } by their times, or nil and a sentence that begins with the file and its line.
+function data.read(path, known, duration)
+  local file, why = io.open(path)
+  if not file then return nil, ("cannot read %s"):format(why) end
+  local names, columns, list, number = nil, nil, {}, 0
+  for line in file:lines() do
+    number = number + 1
+    line = line:gsub("\r$", "")
+    if line ~= "" and line:sub(1, 1) ~= "#" then
+      local fine, wrong
+      if not columns then
+        names = split(line)
+        columns, wrong = columns_of(names, known)
+        fine = columns
+      else fine, wrong = read_line(split(line), columns, names, duration, list, number) end
+      if not fine then
+        file:close()
+        return nil, ("%s:%d: %s"):format(path, number, wrong)
+      end
+    end
+  end
+  file:close()
+  if #list == 0 then return nil, ("%s: there is no number of a measure in it"):format(path) end
+  table.sort(list, function(a, b) return a.t < b.t or a.t == b.t and a.line < b.line end)
+  return list
+end
+
+return data

@@ -1,0 +1,245 @@
+-- hooke fit SCENE.lua --data FILE.csv --by NAME,NAME [name=value ...]: the parameters with which a scene agrees with data.
+-- The data are measures of the scene at times, and their standard deviations where they are known. Least squares within
+-- the bounds of param(), with standard deviations and correlations, combinations that the data do not determine, and the
+-- part of the steps in the answer: they are refined until it does not matter.
+local argparse = require("argparse")
+local case_process = require("common.run.case_process")
+local command_line = require("common.run.command_line")
+local data = require("common.fit.data")
+local files = require("common.run.file")
+local fitting = require("common.fit.fitting")
+local journal = require("common.bench.journal")
+local progress = require("common.run.progress")
+local report = require("common.fit.report")
+local runs = require("common.fit.runs")
+
+local function complain(format, ...) return command_line.complain("fit", format:format(...)) end
+
+local function parser()
+  local p = argparse("hooke fit", "The parameters with which a scene agrees with measured data.")
+  p:argument("scene", "the scene's script, and values of parameters that are not fitted, name=value"):args("+")
+  p:option("--data", "a table (CSV): t in s, measures of the scene, NAME_sd their standard deviations; cells may be empty")
+  p:option("--by", "the parameters to find, k,c; with a start and bounds, k=20:1:1000 (those of param())"):count("*")
+  p:option("--starts", "how many starts, over the bounds, beside the first"):default("0"):convert(function(text)
+    return text == "0" and 0 or command_line.whole("--starts")(text)
+  end)
+  p:option("--tolerance", "of the parameters, relative"):default("1e-6"):convert(command_line.positive("--tolerance"))
+  p:option("--most", "iterations, of each start"):default("50"):convert(command_line.whole("--most"))
+  p:option("--integrator", "in place of the scene's")
+  p:option("--seed", "of the scene's chance"):convert(command_line.whole("--seed"))
+  p:option("--jobs", "runs at a time (the processors)"):convert(command_line.whole("--jobs"))
+  p:option("--out", "where the results go (out/fit/SCENE)")
+  p:flag("--trust", "the scene may use plugins beside it")
+  p:flag("--json", "the result as JSON on standard output")
+  p:flag("--quiet", "no progress")
+  return p
+end
+
+-- ---- parameters ----
+
+-- "name=start:low:high", of which what follows the name may be left out.
+local function wanted(words)
+  local list = {}
+  for _, word in ipairs(words) do
+    for piece in (word .. ","):gmatch("([^,]*),") do
+      local name, rest = piece:match("^%s*([%a_][%w_]*)%s*(.*)$")
+      if not name then return nil, ("--by: '%s' is not a name, or name=start:low:high"):format(piece) end
+      local numbers = {}
+      for text in rest:gmatch("[^=:]+") do
+        numbers[#numbers + 1] = tonumber(text)
+        if not numbers[#numbers] then return nil, ("--by: %s: '%s' is not a number"):format(name, text) end
+      end
+      if #numbers > 3 then return nil, ("--by: %s: one start and two bounds, name=start:low:high"):format(name) end
+      list[#list + 1] = { name = name, start = numbers[1], low = numbers[2], high = numbers[3] }
+    end
+  end
+  if #list == 0 then return nil, "nothing to find: --by NAME,NAME" end
+  return list
+end
+
+local function complete(p, declared)
+  local function bound(given, own, none) return given or (own and own == own and own) or none end
+  p.help = declared.help
+  p.start = p.start or tonumber(declared.initial)
+  p.low, p.high = bound(p.low, declared.min, -math.huge), bound(p.high, declared.max, math.huge)
+  if not p.start or declared.type ~= "number" and declared.type ~= "integer" then
+    return nil, ("--by: %s is no number, but a %s"):format(p.name, declared.type)
+  end
+  if p.low >= p.high then return nil, ("--by: %s: %g is not below %g"):format(p.name, p.low, p.high) end
+  if p.start < p.low or p.start > p.high then
+    return nil, ("--by: %s: the start, %g, is not within %g to %g"):format(p.name, p.start, p.low, p.high)
+  end
+  return true
+end
+
+-- Fills in what the script's param() says; a start of 0 has the size of its bounds, or 1.
+local function find_parameters(o, explained)
+  local by_name, names, seen = {}, {}, {}
+  for k, p in ipairs(explained.parameters) do by_name[p.name], names[k] = p, p.name end
+  for _, p in ipairs(o.parameters) do
+    local declared = by_name[p.name]
+    if not declared then
+      local near = hooke.nearest(p.name, names)
+      return nil, ("the scene has no parameter '%s'; %s"):format(p.name, near and ("did you mean '%s'?"):format(near)
+        or #names > 0 and "it has " .. table.concat(names, ", ") or "it has none: param(name, default)")
+    end
+    if seen[p.name] then return nil, ("--by: %s is there twice"):format(p.name) end
+    if o.params[p.name] then return nil, ("%s=%s and --by %s: leave one out"):format(p.name, o.params[p.name], p.name) end
+    seen[p.name] = true
+    local fine, why = complete(p, declared)
+    if not fine then return nil, why end
+  end
+  return true
+end
+
+local function scale_of(p)
+  local width = p.high - p.low
+  return p.start ~= 0 and math.abs(p.start) * 1e-3 or width < math.huge and width * 1e-3 or 1e-3
+end
+
+-- ---- data ----
+
+-- All numbers of a measure have a deviation or none; several measures need them, since their units differ.
+local function check_weights(list)
+  local with, names, count = {}, {}, 0
+  for _, o in ipairs(list) do
+    if with[o.name] == nil then
+      with[o.name], count = o.sd ~= nil, count + 1
+      names[count] = o.name
+    end
+    if with[o.name] ~= (o.sd ~= nil) then
+      return nil, ("%s: some numbers have a standard deviation and some have none (line %d)"):format(o.name, o.line)
+    end
+  end
+  if count > 1 then
+    for _, name in ipairs(names) do
+      if not with[name] then
+        return nil, ("%d measures, and '%s' has no column %s_sd: their standard deviations weigh them"):format(count, name, name)
+      end
+    end
+  end
+  return with[names[1]]
+end
+
+local function read_data(o, explained)
+  local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
+    seed = o.seed, ["until"] = 0 }
+  if not start.measures then return nil, start.failed end
+  local list, why = data.read(o.data, start.measures, explained.duration)
+  if not list then return nil, why end
+  o.observations, o.plugin = list, start.integrator
+  o.weighted, why = check_weights(list)
+  if why then return nil, ("%s: %s"):format(o.data, why) end
+  if #list < #o.parameters then
+    return nil, ("%s: %d numbers cannot determine %d parameters"):format(o.data, #list, #o.parameters)
+  end
+  return true
+end
+
+-- ---- fitting ----
+
+local function is_adaptive(name)
+  for _, p in ipairs((hooke.catalogue())) do
+    if p.kind == "integrator" and p.name == name then return p.adaptive end
+  end
+end
+
+local function prepare(o)
+  o.names, o.low, o.high, o.scale, o.first = {}, {}, {}, {}, {}
+  for j, p in ipairs(o.parameters) do
+    o.names[j], o.low[j], o.high[j], o.scale[j], o.first[j] = p.name, p.low, p.high, scale_of(p), p.start
+    if o.starts > 0 and p.high - p.low == math.huge then
+      return nil, ("--starts: %s has no bounds to spread starts over: --by %s=%g:LOW:HIGH"):format(p.name, p.name, p.start)
+    end
+  end
+  local fingerprint = journal.of_scene(o.scene, o.params) .. journal.canonical { o.observations, o.names, o.integrator or "",
+    o.seed or "" }
+  local why
+  o.journal, why = journal.open(o.out .. "/runs.json", journal.hash(fingerprint))
+  if not o.journal then return nil, why end
+  o.runs = runs.new { scene = o.scene, names = o.names, observations = o.observations, given = o.params, trust = o.trust,
+    seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), journal = o.journal, jobs = o.jobs }
+  return true
+end
+
+-- The minima, the least first, each with the number of starts that lead to it; or nil and why the first start fails.
+local function search(o)
+  local starts, minima = { o.first, table.unpack(fitting.starts(o.starts, o.low, o.high)) }, {}
+  local bar = progress.new { what = "fit", quiet = o.quiet }
+  o.runs.tick = function() bar:tick() end
+  for k, start in ipairs(starts) do
+    o.note = function(iteration, cost)
+      bar:add { note = ("start %d of %d, iteration %d, sum of squares %.6g"):format(k, #starts, iteration, cost) }
+    end
+    local state, why = fitting.from(start, o)
+    if not state and k == 1 then
+      bar:finish()
+      return nil, ("from the start, %s: %s"):format(report.values(o, start), why)
+    end
+    local known
+    for _, other in ipairs(minima) do known = known or state and fitting.same(other, state, o) and other end
+    if known then known.starts = known.starts + 1
+    elseif state then
+      state.starts = 1
+      minima[#minima + 1] = state
+    end
+  end
+  bar:finish()
+  table.sort(minima, function(a, b) return a.cost < b.cost end)
+  return minima
+end
+
+-- The scene's own verdict with the best values, over its whole duration.
+local function judge(o, best)
+  local params, setting = {}, o.runs:setting(best.p, best.level)
+  for name, value in pairs(o.params) do params[name] = value end
+  for j, name in ipairs(o.names) do params[name] = ("%.17g"):format(best.p[j]) end
+  return case_process.run { scene = o.scene, params = params, integrator = o.integrator, dt = setting.dt, tol = setting.tol,
+    seed = o.seed, trust = o.trust, verify = true }
+end
+
+local function options()
+  local o = command_line.parse("fit", parser())
+  if not o then return nil end
+  local why
+  o.scene, o.params, why = command_line.scene(o.scene)
+  if not o.scene then return nil, why or "no scene is named" end
+  if not o.data then return nil, "no data: --data FILE.csv" end
+  o.parameters, why = wanted(o.by)
+  if not o.parameters then return nil, why end
+  o.out = o.out or "out/fit/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
+  return o
+end
+
+local function ready(o)
+  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust })
+  if not explained then return nil, why end
+  local fine
+  fine, why = find_parameters(o, explained)
+  if not fine then return nil, why end
+  fine, why = read_data(o, explained)
+  if not fine then return nil, why end
+  if not files.make_folder(o.out) then return nil, "cannot make the folder " .. o.out end
+  return prepare(o)
+end
+
+local function main()
+  local o, why = options()
+  if not o then return why and complain("%s", why) or 1 end
+  local fine
+  fine, why = ready(o)
+  if not fine then return complain("%s", why) end
+  local minima
+  minima, why = search(o)
+  if not minima then return complain("%s", why) end
+  minima[1].run = judge(o, minima[1])
+  fine, why = report.write(o, minima)
+  if not fine then
+    complain("%s", why)
+    return 4
+  end
+  o.journal:remove()
+  return report.is_sure(minima[1]) and 0 or 2
+end
+
+return main()
