@@ -23,7 +23,9 @@ local function parser()
   p:option("--starts", "how many starts, over the bounds, beside the first"):default("0"):convert(function(text)
     return text == "0" and 0 or command_line.whole("--starts")(text)
   end)
-  p:option("--tolerance", "of the parameters, relative"):default("1e-6"):convert(command_line.positive("--tolerance"))
+  p:option("--tolerance", "of the least sum of squares: of the parameters, relative"):default("1e-6"):convert(command_line.positive("--tolerance"))
+  p:option("--accuracy", "what the steps may do to the parameters, relative; or a tenth of their deviations, if that is more")
+    :default("1e-3"):convert(command_line.positive("--accuracy"))
   p:option("--most", "iterations, of each start"):default("50"):convert(command_line.whole("--most"))
   p:option("--integrator", "in place of the scene's")
   p:option("--seed", "of the scene's chance"):convert(command_line.whole("--seed"))
@@ -158,7 +160,7 @@ local function prepare(o)
   o.journal, why = journal.open(o.out .. "/runs.json", journal.hash(fingerprint))
   if not o.journal then return nil, why end
   o.runs = runs.new { scene = o.scene, names = o.names, observations = o.observations, given = o.params, trust = o.trust,
-    seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), journal = o.journal, jobs = o.jobs }
+    seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), tol = o.tol, journal = o.journal, jobs = o.jobs }
   return true
 end
 
@@ -212,8 +214,9 @@ local function options()
 end
 
 local function ready(o)
-  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust })
+  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator })
   if not explained then return nil, why end
+  o.tol = explained.tol
   local fine
   fine, why = find_parameters(o, explained)
   if not fine then return nil, why end

@@ -61,7 +61,7 @@ for k = 1, 50 do
 end
 write("motion.csv", table.concat(lines, "\n") .. "\n")
 
-local code, text = fit("swing.lua --data motion.csv --by w2,g")
+local code, text = fit("swing.lua --data motion.csv --by w2,g --accuracy 1e-6")
 assert(code == 0, text)
 local found, _, steps = value(text, "w2")
 assert(math.abs(found - w2) <= steps and steps <= 1e-6 * w2, text) -- the part of the steps that it says is what is wrong
@@ -77,12 +77,13 @@ code, text = fit("swing.lua --data motion.csv --by w2=4 g=0.1")
 assert(code == 2 and text:find("the residuals follow each other", 1, true), text)
 code, text = fit("swing.lua --data motion.csv --by w2=4 --starts 3 g=0.45")
 assert(code == 0 and text:find("minimum 2: w2 = ", 1, true), text)
-assert(math.abs(value(text, "w2") - w2) < 1e-5 * w2, text)
+found, _, steps = value(text, "w2")
+assert(math.abs(found - w2) <= steps and steps <= 1e-3 * w2, text)
 
 -- The mass divides out.
 code, text = fit("swing.lua --data motion.csv --by weight,w2 g=0.45")
 assert(code == 2 and text:find("weight changes none of these measures", 1, true), text)
-assert(math.abs(value(text, "w2") - w2) < 1e-5 * w2 and text:find("weight +1 +not known"), text)
+assert(math.abs(value(text, "w2") - w2) < 1e-3 * w2 and text:find("weight +1 +not known"), text)
 
 -- ---- an interruption: what was run is not run again ----
 

@@ -14,7 +14,7 @@ end
 -- A fit of y(t, p) to numbers, as fitting.from asks for it. `by_step(t)`: what half the step changes, a quarter of the
 -- change of the step before.
 local function fit(y, start, t, measured, options)
-  local o = { tolerance = 1e-6, most = 60, weighted = options and options.weighted, low = {}, high = {}, scale = {} }
+  local o = { tolerance = 1e-7, accuracy = 1e-6, most = 60, weighted = options and options.weighted, low = {}, high = {}, scale = {} }
   local error_of = options and options.by_step or function() return 0 end
   o.runs = { level = 0, residuals = function(self, points, _, level)
     local list = {}

@@ -162,6 +162,7 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   hk_tool_set_number(L, "duration", run->asked.end);
   hk_tool_set_number(L, "fps", scene->fps);
   hk_tool_set_number(L, "dt", run->step->length.dt);
+  hk_tool_set_number(L, "tol", run->dynamics.system.tol);
   hk_tool_set_flag(L, "dt_chosen", run->step->chosen);
   push_plugins(L, run);
   push_solver(L, run);
@@ -213,6 +214,9 @@ int hk_tool_explain(lua_State *L) {
     options.trust = lua_toboolean(L, -1);
     lua_pop(L, 1);
     hk_tool_read_without(L, 3, "explain", &run_options);
+    lua_getfield(L, 3, "integrator"); /* its text stays in the table */
+    run_options.integrator = lua_tostring(L, -1);
+    lua_pop(L, 1);
   }
   options.run = &run_options;
   run_options.acting = hk_script_run_options(hk_lua_script(L))->acting;
@@ -222,7 +226,7 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK && !hk_script_scene(script))
     status = hk_error_set(&error, HK_SCRIPT, "the script drives its own runs");
   run_options.no_output = true; /* outputs are listed, but not opened */
-  if (status == HK_OK && hk_script_scene(script)->integrator_auto)
+  if (status == HK_OK && hk_script_scene(script)->integrator_auto && !run_options.integrator)
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = estimate(run, &spectrum, &error);

@@ -32,28 +32,39 @@ local function change_of(state, o)
   return change
 end
 
--- Whether the steps matter: beside the deviations, or where these are smaller the tolerance.
+-- Whether the steps matter: beside the deviations, or where these are smaller the accuracy.
 local function matters(state, o)
   for j, off in ipairs(state.by_steps) do
     local sd = state.sd[j] == state.sd[j] and state.sd[j] or 0
-    if off > math.max(sd / 10, o.tolerance * size(state.p, o.scale, j)) then return true end
+    if off > math.max(sd / 10, o.accuracy * size(state.p, o.scale, j)) then return true end
   end
   return false
 end
 
+-- Steps that adapt jump with the parameters, and errors with them by about the tolerance: the root of it is the step of
+-- differences for which these jumps and the curvature do as much harm.
+local function difference(o)
+  return o.runs.adaptive and math.sqrt(o.runs:setting({}, o.runs.level).tol) or 1e-5
+end
+
 local function problem_of(start, o)
-  return { start = start, low = o.low, high = o.high, scale = o.scale, difference = o.runs.adaptive and 1e-4 or 1e-5,
-    tolerance = o.tolerance / 10, most = o.most, note = o.note,
+  local step = difference(o)
+  return { start = start, low = o.low, high = o.high, scale = o.scale, difference = step,
+    tolerance = o.runs.adaptive and math.max(o.tolerance, step / 10) or o.tolerance, most = o.most, note = o.note,
     evaluate = function(points, base) return o.runs:residuals(points, base) end }
 end
 
-local function clamped(p, shift, o)
+-- Where the next level begins: moved by what half the step would do, where that is little.
+local function moved(p, shift, o)
   local q = {}
-  for j = 1, #p do q[j] = math.min(math.max(p[j] + shift[j], o.low[j]), o.high[j]) end
+  for j = 1, #p do
+    local by = math.abs(shift[j]) < 0.1 * size(p, o.scale, j) and shift[j] or 0
+    q[j] = math.min(math.max(p[j] + by, o.low[j]), o.high[j])
+  end
   return q
 end
 
--- o: runs, low, high, scale, tolerance (relative), most, weighted, note(iteration, cost). From `start`: the state of the
+-- o: runs, low, high, scale, tolerance and accuracy (relative), most, weighted, note(iteration, cost). From `start`: the state of the
 -- least squares with sd, correlation, blind, level, change and shift (of the residuals and of p by half the step) and by_steps,
 -- a bound of what the steps have done to p: twice the shift, which is 1 - 2^-order of it. Or nil and why.
 function fitting.from(start, o)
@@ -74,7 +85,7 @@ function fitting.from(start, o)
       state.unrefined = ("they still matter after %d halvings"):format(level)
       return state
     end
-    start = clamped(state.p, state.shift, o)
+    start = moved(state.p, state.shift, o)
   end
 end
 

@@ -28,7 +28,7 @@ end
 
 -- options: scene, names (of the parameters), observations (in the order of time), given (other parameters), trust, seed,
 -- integrator, solver, adaptive, journal, jobs, timeout, tick(). `level`: how often the step has been halved, or the
--- tolerance of an adaptive method made a hundredth.
+-- tolerance of an adaptive method, at first `tol`, made a tenth.
 function runs.new(options)
   local self = setmetatable({ known = {}, count = 0, level = 0 }, runs)
   for key, value in pairs(options) do self[key] = value end
@@ -81,14 +81,12 @@ end
 -- The setting of runs at a level. Those of differences have the steps of the run at `base`: steps that are chosen for each
 -- would jump with the parameters.
 function runs:setting(base, level, differences)
-  if self.adaptive then return { tol = runs.first_tolerance / 100 ^ level } end
+  if self.adaptive then return { tol = self.tol / 10 ^ level } end
   if level == 0 and not differences then return {} end
   local chosen = self:results({ base }, {})[1]
   self.dt = tonumber(chosen.dt) or self.dt
   return { dt = self.dt / 2 ^ level }
 end
-
-runs.first_tolerance = 1e-8
 
 -- (what the scene says - what was measured)/sd of each observation; or false and why.
 local function residuals_of(self, result)
