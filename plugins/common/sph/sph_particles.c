@@ -88,6 +88,7 @@ static hk_status check_place(const hk_sph *s, const hk_view *view, size_t i, siz
 
 static double wall_volume(const hk_sph *s, const hk_view *view, const hk_neighbour_rows *rows, size_t i) {
   double sum = s->kernel.amplitude;
+  if (!isnan(s->wall_volume)) return s->wall_volume;
   for (size_t e = rows->row_start[i]; e < rows->row_start[i + 1]; e++)
     if (s->role[rows->other[e]] == HK_SPH_WALL)
       sum += hk_sph_value(&s->kernel, square_between(view, i, rows->other[e]));

@@ -4,8 +4,8 @@
  * A particle of the liquid counts with its mass. Walls are particles too, and make up for the liquid that is missing
  * behind them: each counts with density x volume, its volume 1 / sum W over the walls around it (Akinci, Ihmsen,
  * Akinci, Solenthaler, Teschner 2012, ACM Trans. Graphics 31, article 62, equation 4), of the time when it became one.
- * Inside layers of walls on the liquid's lattice that is a particle's own volume. All forces act between particles, so
- * walls that are points of bodies, or of cloth, move by what the liquid does to them. */
+ * That makes one layer do for a half-space; layers as thick as the kernel do without, `wall_volume`. All forces act
+ * between particles, so walls that are points of bodies, or of cloth, move by what the liquid does to them. */
 #ifndef HK_SPH_PARTICLES_H
 #define HK_SPH_PARTICLES_H
 
@@ -20,6 +20,7 @@ typedef enum hk_sph_role { HK_SPH_NONE, HK_SPH_LIQUID, HK_SPH_WALL } hk_sph_role
 
 typedef struct hk_sph {
   double density, spacing, reach; /* kg/m^3, m, kernel's radius by the spacing */
+  double wall_volume;             /* m^3; NAN: from the walls around */
   int64_t dimensions;             /* 3, or 2: a plane, one spacing deep */
   hk_tuples particles, walls;
   double *volume; /* n, m^3; 0: not known yet */
@@ -44,7 +45,10 @@ typedef struct hk_sph {
   {"particles", "", "that are the liquid; left out: all that are not walls, nor fixed, nor of a rigid body",           \
      .particles = HK_AT(type, sph.particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},                                    \
   {"walls", "", "particles that hold the liquid; left out: those that are pinned and points of rigid bodies",          \
-     .particles = HK_AT(type, sph.walls), .flags = HK_OPTIONAL}
+     .particles = HK_AT(type, sph.walls), .flags = HK_OPTIONAL},                                                       \
+  {"wall_volume", "m^3", "of a particle of walls: spacing^3 where they are layers of the liquid's lattice as thick as "  \
+     "the kernel; left out: by the walls around it, also for one layer (Akinci 2012)",                                 \
+     .number = HK_AT(type, sph.wall_volume), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL}
 
 #define HK_SPH_FIELDS(type, sph)                                                                                       \
   {"volume", .per_particle = HK_AT(type, sph.volume), .width = 1}
