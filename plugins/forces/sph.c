@@ -7,8 +7,10 @@
  * row, in rising order, so threads leave no trace.
  *
  * The pressure ends at 0 (`cavitates`), or particles near a free surface, where neighbours are missing, would pull it
- * together; the outermost layer is therefore a little too dense. Errors are those of sums over disordered particles, of
- * the order of a percent: they fall with the spacing only as long as the kernel holds enough particles.
+ * together; the outermost layer is therefore a little too dense. Errors are those of sums over particles, which fall
+ * with the spacing only as long as the kernel grows against it: the speed of sound on a lattice is off by 4.7 % with a
+ * kernel of 2.5 spacings and by 0.8 % with 3 (in space 3.4 and 0.3 %), the half axis of an elliptical drop (Monaghan
+ * 1994) by 0.9, 0.3 and 0.1 % with 2.5, 3 and 3.5, whatever the spacing.
  *
  * The stable step follows from c and the kernel: of the waves that a lattice carries the fastest has w = 2.0 to 2.3 c/R
  * for kernels of 2 to 4 spacings, in a plane and in space (R its radius, lattice sums of grad W sin(k d) over all

@@ -56,7 +56,8 @@ static void measure(const char *name, const char *parameter, double value, doubl
 int main(void) {
   for (int side = 20; side <= 40; side *= 2) {
     measure("sph", "c", 20, 2.05, side);
-    measure("sph", "c", 20, 2.5, side);
+    measure("sph", "c", 20, 3, side);
+    measure("viscosity", "mu", 1, 3, side);
   }
   return 0;
 }

@@ -51,6 +51,16 @@ static void warn_of_masses(const hk_sph *s, const hk_view *view) {
         own, s->density, s->spacing, s->density * s->spacing * s->spacing * s->spacing);
 }
 
+/* Pressure pushes what leaves the plane by ever so little out of it. */
+static void warn_of_plane(const hk_sph *s, const hk_view *view) {
+  for (size_t i = 0; i < view->n && s->dimensions == 2; i++) {
+    if (s->role[i] != HK_SPH_LIQUID || view->model->pin[i] != HK_FREE) continue;
+    s->host->warn(s->host, "dimensions: a liquid that nothing keeps in its plane buckles: pin its particles to it, "
+                           "scene:pin(ids, { normal = { 0, 1, 0 } })");
+    return;
+  }
+}
+
 hk_status hk_sph_open(hk_sph *s, const hk_host *host, const hk_view *view) {
   s->host = host;
   s->service = host->query(host, "neighbours/1");
@@ -61,6 +71,7 @@ hk_status hk_sph_open(hk_sph *s, const hk_host *host, const hk_view *view) {
   hk_status status = hk_sph_topology(s, view);
   if (status != HK_OK) return status;
   warn_of_masses(s, view);
+  warn_of_plane(s, view);
   hk_sph_kernel_prepare(&s->kernel, s->spacing, s->reach, (int)s->dimensions);
   return s->service->reach_images(s->service->self, s->kernel.radius);
 }

@@ -38,8 +38,8 @@ typedef struct hk_sph {
      .number = HK_AT(type, sph.density), .initial = {1000}, .limits = HK_ABOVE(0)},                                    \
   {"spacing", "m", "of the particles; their mass is density x spacing^3",                                              \
      .number = HK_AT(type, sph.spacing), .limits = HK_ABOVE(0), .flags = HK_REQUIRED},                                 \
-  {"reach", "", "radius of the kernel, by the spacing; 2.5: 80 neighbours, in a plane 20",                             \
-     .number = HK_AT(type, sph.reach), .initial = {2.5}, .limits = HK_WITHIN(1.8, 6)},                                 \
+  {"reach", "", "radius of the kernel, by the spacing; 3: 92 neighbours, in a plane 24",                               \
+     .number = HK_AT(type, sph.reach), .initial = {3}, .limits = HK_WITHIN(1.8, 6)},                                   \
   {"dimensions", "", "3, or 2 for a liquid in a plane",                                                                \
      .integer = HK_AT(type, sph.dimensions), .initial = {3}, .limits = HK_WITHIN(2, 3)},                               \
   {"particles", "", "that are the liquid; left out: all that are not walls, nor fixed, nor of a rigid body",           \

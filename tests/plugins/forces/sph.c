@@ -17,6 +17,7 @@ static hk_plugin_spec *liquid(test_engine *e, const char *law, bool cavitates) {
   hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "sph");
   test_number(e, spec, "c", c);
   test_number(e, spec, "spacing", dx);
+  test_number(e, spec, "reach", kernel);
   test_text(e, spec, "law", law);
   test_boolean(e, spec, "cavitates", cavitates);
   e->options.dt = 1e-4;
@@ -222,7 +223,9 @@ static void what_does_not_suit_is_said(void **state) {
                "spacing");
   warned("s:particles { positions = { { 0, 0, 0 }, { 1, 0, 0 } }, mass = 3 } s:force('sph', { c = 10, spacing = 0.1 })",
          "particles of this mass are 0.144 m apart at the density of 1000 kg/m^3, not 0.1 m");
-  warned("for k = 0, 9 do s:particle { position = { 0.03 * k, 0, 0 }, mass = 1 } end\n"
+  warned("s:particle { position = { 0, 0, 0 }, mass = 1 } s:force('sph', { c = 10, spacing = 0.1, dimensions = 2 })",
+         "a liquid that nothing keeps in its plane buckles");
+  warned("for k = 0, 19 do s:particle { position = { 0.01 * k, 0, 0 }, mass = 1 } end\n"
          "s:force('sph', { c = 0.1, spacing = 0.1 })",
          "more than a liquid is: a speed of sound of ");
 }

@@ -14,6 +14,7 @@ static hk_plugin_spec *viscosity(test_engine *e, int dimensions) {
   hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "viscosity");
   test_number(e, spec, "mu", mu);
   test_number(e, spec, "spacing", dx);
+  test_number(e, spec, "reach", 2.5);
   test_number(e, spec, "dimensions", dimensions);
   e->options.dt = 1e-4;
   return spec;
