@@ -29,7 +29,7 @@ typedef struct sph {
   double c; /* m/s */
   int law;
   bool cavitates;
-  double *density; /* n, kg/m^3, of the liquid; 0: walls and others */
+  double *density; /* n, kg/m^3, of what presses; 0: others */
   double *slope;   /* n, m_i e'_i, J m^3/kg */
   int64_t said;
 } sph;
@@ -88,11 +88,11 @@ HK_INLINE void find_densities(const task *t, const hk_periodic_box *box, size_t 
   sph *s = t->self;
   for (size_t k = first; k < end; k++) {
     size_t i = hk_sph_acting(t->view, k);
-    if (s->common.role[i] != HK_SPH_LIQUID) continue;
+    if (!hk_sph_presses(&s->common, i)) continue;
     double rho = density_of(t, box, i), compression = rho / s->common.density;
     double by = gives_way(s, compression) ? 0 : hk_sph_energy_slope((hk_sph_law)s->law, compression);
     s->density[i] = rho;
-    s->slope[i] = t->view->model->mass[i] * s->c * s->c / s->common.density * by;
+    s->slope[i] = s->common.point[i][3] * s->c * s->c / s->common.density * by;
   }
 }
 
@@ -162,10 +162,10 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
   double sum = 0;
   for (size_t k = first; k < end; k++) {
     size_t i = hk_sph_acting(t->view, k);
-    if (s->common.role[i] != HK_SPH_LIQUID) continue;
+    if (!hk_sph_presses(&s->common, i)) continue;
     double compression = density_of(t, t->box, i) / s->common.density;
     if (!gives_way(s, compression))
-      sum += t->view->model->mass[i] * s->c * s->c * hk_sph_energy((hk_sph_law)s->law, compression);
+      sum += s->common.point[i][3] * s->c * s->c * hk_sph_energy((hk_sph_law)s->law, compression);
   }
   s->common.sums[chunk] = sum;
 }
@@ -227,12 +227,12 @@ static void bound_pairs(const task *t) {
   hk_sph_near near;
   for (size_t m = 0; m < t->view->acting; m++) {
     size_t i = hk_sph_acting(t->view, m);
-    if (s->common.role[i] != HK_SPH_LIQUID) continue;
+    if (!hk_sph_presses(&s->common, i)) continue;
     double steep = steepness_around(t, i, &near);
     for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
       hk_sph_gather(&s->common, t->box, t->rows.other, end, i, &at, &near);
       for (size_t k = 0; k < near.count; k++) {
-        pair_bound b = bound_pair(s, t->view->model->mass[i], s->density[i], steep, near.mass[k], near.r2[k]);
+        pair_bound b = bound_pair(s, s->common.point[i][3], s->density[i], steep, near.mass[k], near.r2[k]);
         add_pair(t->block[i], &b, &near, k);
         add_pair(t->block[near.other[k]], &b, &near, k);
       }

@@ -2,8 +2,9 @@
 
 /* ---- who takes part ---- */
 
+/* Places that joints are fixed to have no mass, and are no walls. */
 static bool is_held(const hk_model *m, size_t i) {
-  return m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH || m->pin[i] == HK_PIN_RIDES;
+  return ((m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH) && m->mass[i] > 0) || m->pin[i] == HK_PIN_RIDES;
 }
 
 static bool is_inside(const hk_model *m, size_t i) { return m->inside && m->inside[i]; }

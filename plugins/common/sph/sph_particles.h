@@ -64,6 +64,12 @@ hk_status hk_sph_update(hk_sph *, const hk_view *view);
 hk_status hk_sph_begin(hk_sph *, const hk_view *view, hk_neighbour_rows *rows);
 double hk_sph_total(const hk_sph *, const hk_view *view); /* of `sums`, in their order */
 
+/* Whether a particle has the energy of the liquid: one of it has, and one of a wall that is laid like it, which presses
+ * back as the liquid that it stands for would. One whose volume makes up for what is missing has none. */
+HK_INLINE bool hk_sph_presses(const hk_sph *s, size_t i) {
+  return s->role[i] == HK_SPH_LIQUID || (s->role[i] == HK_SPH_WALL && s->wall_volume > 0);
+}
+
 HK_INLINE size_t hk_sph_acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 
 /* Neighbours of a particle within the kernel, some at a time. */
