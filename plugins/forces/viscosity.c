@@ -17,6 +17,7 @@
 typedef struct viscosity {
   hk_sph common;
   double mu;
+  bool slip;
   double factor;       /* 2 mu / M, N s/m / (m^2 m^6 1/m^5) */
   uint32_t (*pair)[2]; /* those whose blocks were named, i < j */
   size_t pairs, room;
@@ -27,6 +28,7 @@ typedef struct viscosity {
 static const hk_param params[] = {
     {"mu", "Pa s", "dynamic viscosity; of water 1e-3, of honey 10", .number = HK_AT(viscosity, mu),
      .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"slip", "", "whether the liquid slides along walls; false: they hold it fast", .boolean = HK_AT(viscosity, slip)},
     HK_SPH_PARAMS(viscosity, common),
     {0},
 };
@@ -51,15 +53,16 @@ static hk_status begin(task *t, viscosity *p, const hk_view *view) {
   return hk_sph_begin(&p->common, view, &t->rows);
 }
 
-/* Two walls do not rub each other. */
 HK_INLINE double volume_of(const viscosity *p, size_t i) { return p->common.point[i][3] / p->common.density; }
-HK_INLINE bool are_walls(const viscosity *p, size_t i, size_t j) {
-  return p->common.role[i] == HK_SPH_WALL && p->common.role[j] == HK_SPH_WALL;
+/* Two walls do not, and none where the liquid slides along them. */
+HK_INLINE bool rub(const viscosity *p, size_t i, size_t j) {
+  bool is_wall = p->common.role[i] == HK_SPH_WALL, other_is = p->common.role[j] == HK_SPH_WALL;
+  return p->slip ? !is_wall && !other_is : !(is_wall && other_is);
 }
 
 /* f, N s/m^3 */
 static double weight(const viscosity *p, size_t i, size_t j, double r2) {
-  if (are_walls(p, i, j)) return 0;
+  if (!rub(p, i, j)) return 0;
   return p->factor * volume_of(p, i) * volume_of(p, j) * hk_sph_slope(&p->common.kernel, r2);
 }
 
@@ -112,7 +115,7 @@ static size_t list_pairs(const task *t, uint32_t (*into)[2]) {
   for (size_t i = 0; i < t->rows.n; i++)
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       uint32_t j = t->rows.other[e];
-      if (j < i || !(volume_of(p, i) > 0 && volume_of(p, j) > 0) || are_walls(p, i, j)) continue;
+      if (j < i || !(volume_of(p, i) > 0 && volume_of(p, j) > 0) || !rub(p, i, j)) continue;
       if (into) into[count][0] = (uint32_t)i, into[count][1] = j;
       count++;
     }

@@ -48,14 +48,16 @@ else
     return more
   end
   scene:force("sph", with { c = c })
-  scene:force("viscosity", with { mu = 0.02 * density * c * dx }) -- as Monaghan's alpha of 0.2
+  scene:force("viscosity", with { mu = 0.02 * density * c * dx, slip = true }) -- as Monaghan's alpha of 0.2
 end
 
-scene:measure("front", function(s) -- by the column's width: of the water's outermost hundredth the innermost
-  local x = {}
-  for k, id in ipairs(water) do x[k] = s:position(id)[1] end
-  table.sort(x)
-  return (x[math.ceil(0.99 * #x)] + dx / 2) / a
+scene:measure("front", function(s) -- by the column's width, of the water on the floor
+  local x = 0
+  for _, id in ipairs(water) do
+    local p = s:position(id)
+    if p[3] < 2 * dx then x = math.max(x, p[1]) end
+  end
+  return (x + dx / 2) / a
 end)
 scene:measure("height", function(s) -- of the centre of mass, by that of water at rest in the whole tank
   local z = 0

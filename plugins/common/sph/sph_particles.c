@@ -43,7 +43,7 @@ static void warn_of_masses(const hk_sph *s, const hk_view *view) {
   double mass = 0, count = 0;
   for (size_t i = 0; i < view->n; i++)
     if (s->role[i] == HK_SPH_LIQUID) mass += view->model->mass[i], count++;
-  double own = cbrt(mass / (count * s->density));
+  double own = pow(mass / (count * s->density), 1.0 / 3);
   if (count > 0 && fabs(own / s->spacing - 1) > 0.1)
     s->host->warn(
         s->host,
