@@ -26,7 +26,7 @@ local function period(at, reach)
   scene:periodic { high = { length, length, 6 * dx }, axes = "xz" }
   sph.forces(scene, dx, { c = c, reach = reach, cavitates = false })
   local watch = validation.crossings()
-  validation.each(scene, h, math.ceil(1.2 / h), function(state, t)
+  validation.each(scene, h, math.ceil(1.6 / h), function(state, t)
     local moved, speed = 0, 0 -- of the mode, by a row of the strip
     for i = 1, at.n do
       local x = (i - 0.5) * dx

@@ -17,7 +17,7 @@ return validation.problem {
   space_label = "1/n, particles on a wavelength",
   tolerance = 2e-2,
   why = "particles on their lattice resist shear as long as they move by less than a spacing, so that small waves are slow",
-  quick = { space = { 20, 24, 32 }, tolerance = 0.2 },
+  quick = { space = { 20, 24, 28 }, tolerance = 0.2 },
   solve = function(at)
     local dx = length / at.n
     local h = 0.2 * dx * 3 / c
