@@ -17,7 +17,7 @@
  * k); 2.7 leaves room for disorder. Where particles are crowded far beyond their density, the sum of all pairs bounds
  * it. */
 #include "plugins/common/sph/sph_fluid.h"
-#include "plugins/common/sph/sph_particles.h"
+#include "plugins/common/sph/sph_sums.h"
 
 static const double fastest_wave = 2.7; /* c/R */
 static const double crowded = 1.1;      /* by the density at rest: beyond, bounds are those of pairs */
@@ -58,55 +58,28 @@ static const hk_field fields[] = {
 typedef struct task {
   sph *self;
   const hk_view *view;
-  hk_neighbour_rows rows;
-  const hk_periodic_box *box;
+  hk_sph_rows near;
   double *F;
   double (*block)[6];
 } task;
 
 static hk_status begin(task *t, sph *s, const hk_view *view) {
-  *t = (task){.self = s, .view = view, .box = view->model->box};
-  return hk_sph_begin(&s->common, view, &t->rows);
+  *t = (task){.self = s, .view = view, .near = {.sph = &s->common, .box = view->model->box}};
+  return hk_sph_begin(&s->common, view, &t->near.rows);
 }
 
 /* 0 below the density at rest where pressure ends at 0. */
 HK_INLINE bool gives_way(const sph *s, double compression) { return s->cavitates && compression < 1; }
-
-HK_INLINE double density_of(const task *t, const hk_periodic_box *box, size_t i) {
-  const hk_sph *s = &t->self->common;
-  double sum = s->point[i][3] * s->kernel.amplitude, part[HK_SPH_NEAR];
-  hk_sph_near near;
-  for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
-    hk_sph_gather(s, box, t->rows.other, end, i, &at, &near);
-    for (size_t k = 0; k < near.count; k++) part[k] = near.mass[k] * hk_sph_value(&s->kernel, near.r2[k]);
-    for (size_t k = 0; k < near.count; k++) sum += part[k];
-  }
-  return sum;
-}
 
 HK_INLINE void find_densities(const task *t, const hk_periodic_box *box, size_t first, size_t end) {
   sph *s = t->self;
   for (size_t k = first; k < end; k++) {
     size_t i = hk_sph_acting(t->view, k);
     if (!hk_sph_presses(&s->common, i)) continue;
-    double rho = density_of(t, box, i), compression = rho / s->common.density;
+    double rho = hk_sph_density(&t->near, box, i), compression = rho / s->common.density;
     double by = gives_way(s, compression) ? 0 : hk_sph_energy_slope((hk_sph_law)s->law, compression);
     s->density[i] = rho;
     s->slope[i] = s->common.point[i][3] * s->c * s->c / s->common.density * by;
-  }
-}
-
-HK_INLINE void add_row(const task *t, const hk_periodic_box *box, size_t i, double sum[3]) {
-  const hk_sph *s = &t->self->common;
-  const double *slope = t->self->slope, own = slope[i], mass = s->point[i][3];
-  double push[HK_SPH_NEAR];
-  hk_sph_near near;
-  for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
-    hk_sph_gather(s, box, t->rows.other, end, i, &at, &near);
-    for (size_t k = 0; k < near.count; k++) push[k] = own * near.mass[k] + slope[near.other[k]] * mass;
-    for (size_t k = 0; k < near.count; k++) push[k] *= hk_sph_slope(&s->kernel, near.r2[k]);
-    for (size_t k = 0; k < near.count; k++)
-      for (int c = 0; c < 3; c++) sum[c] += push[k] * near.d[c][k];
   }
 }
 
@@ -115,16 +88,16 @@ HK_INLINE void add_rows(const task *t, const hk_periodic_box *box, size_t first,
     size_t i = hk_sph_acting(t->view, k);
     double sum[3] = {0};
     if (t->self->common.role[i] == HK_SPH_NONE) continue;
-    add_row(t, box, i, sum);
+    hk_sph_push(&t->near, box, i, t->self->slope, sum);
     for (size_t c = 0; c < 3; c++) t->F[3 * i + c] += sum[c];
   }
 }
 
 /* In open space it is known to the compiler that there is no box. */
 HK_VERSIONS(static void, densities, (const task *t, size_t first, size_t end),
-            t->box ? find_densities(t, t->box, first, end) : find_densities(t, NULL, first, end))
+            t->near.box ? find_densities(t, t->near.box, first, end) : find_densities(t, NULL, first, end))
 HK_VERSIONS(static void, pushes, (const task *t, size_t first, size_t end),
-            t->box ? add_rows(t, t->box, first, end) : add_rows(t, NULL, first, end))
+            t->near.box ? add_rows(t, t->near.box, first, end) : add_rows(t, NULL, first, end))
 
 static void density_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
@@ -163,7 +136,7 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
   for (size_t k = first; k < end; k++) {
     size_t i = hk_sph_acting(t->view, k);
     if (!hk_sph_presses(&s->common, i)) continue;
-    double compression = density_of(t, t->box, i) / s->common.density;
+    double compression = hk_sph_density(&t->near, t->near.box, i) / s->common.density;
     if (!gives_way(s, compression))
       sum += s->common.point[i][3] * s->c * s->c * hk_sph_energy((hk_sph_law)s->law, compression);
   }
@@ -195,8 +168,8 @@ typedef struct pair_bound {
 static double steepness_around(const task *t, size_t i, hk_sph_near *near) {
   const hk_sph *s = &t->self->common;
   double sum = 0;
-  for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
-    hk_sph_gather(s, t->box, t->rows.other, end, i, &at, near);
+  for (size_t at = t->near.rows.row_start[i], end = t->near.rows.row_start[i + 1]; at < end;) {
+    hk_sph_gather(s, t->near.box, t->near.rows.other, end, i, &at, near);
     for (size_t k = 0; k < near->count; k++)
       sum += near->mass[k] * hk_sph_slope(&s->kernel, near->r2[k]) * sqrt(near->r2[k]);
   }
@@ -229,8 +202,8 @@ static void bound_pairs(const task *t) {
     size_t i = hk_sph_acting(t->view, m);
     if (!hk_sph_presses(&s->common, i)) continue;
     double steep = steepness_around(t, i, &near);
-    for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
-      hk_sph_gather(&s->common, t->box, t->rows.other, end, i, &at, &near);
+    for (size_t at = t->near.rows.row_start[i], end = t->near.rows.row_start[i + 1]; at < end;) {
+      hk_sph_gather(&s->common, t->near.box, t->near.rows.other, end, i, &at, &near);
       for (size_t k = 0; k < near.count; k++) {
         pair_bound b = bound_pair(s, s->common.point[i][3], s->density[i], steep, near.mass[k], near.r2[k]);
         add_pair(t->block[i], &b, &near, k);
