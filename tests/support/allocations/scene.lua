@@ -27,6 +27,8 @@ function parts.winds(scene)
   scene:force("relax", { channel = "temperature", rate = 0.7, target = { 300 } })
   scene:force("buoyancy", { ambient = 300, g = { 0, 0, -1 } })
   scene:force("pull", { particles = { 1 }, k = 1 })
+  scene:force("sph", { c = 0.1, spacing = 0.5, density = 8 })
+  scene:force("viscosity", { mu = 0.1, spacing = 0.5, density = 8 })
 end
 
 function parts.grains(scene)

@@ -1,0 +1,251 @@
+/* Viscosity of a liquid by particles: neighbours i and j damp the speed at which they approach,
+ *     F_i = -f(r) ((v_i - v_j).d) d,   d = x_i - x_j,   f = 2 mu V_i V_j (-W'/r) / M,
+ * after Monaghan 2005 (Rep. Prog. Phys. 68, section 4.3), whose (v.d) d / r^2 has its r^2 in the weight here: the force
+ * stays smooth where particles meet, and so do its blocks. It lies along the line of the two, so momentum and angular
+ * momentum are kept, and it takes energy: power -f ((v_i - v_j).d)^2. V is the volume at rest; M, the mean of
+ * (-W'/r) x^2 y^2 over the lattice (sph_kernel.h), makes mu the viscosity in Pa s: sums of pairs become
+ * mu (laplacian v + 2 grad div v) (Espanol and Revenga 2003, Phys. Rev. E 67, 026705, equation 54), which is mu
+ * laplacian v where the volume is kept. The error at a wavenumber k is of the order (k R)^2, and on a lattice a percent
+ * more by its axes. Walls hold the liquid fast, with volumes of Akinci et al. 2012 (sph_particles.h).
+ *
+ * The blocks f d d^T are definite; that they change with the positions is left out where a method wants them symmetric.
+ * Methods with an implicit part (imex) take the liquid's pressure explicitly and this implicitly. */
+#include "plugins/common/sph/sph_particles.h"
+#include "plugins/common/space/reserve.h"
+#include "plugins/kit/vector3.h"
+
+typedef struct viscosity {
+  hk_sph common;
+  double mu;
+  bool slip;
+  double factor;       /* 2 mu / M, N s/m / (m^2 m^6 1/m^5) */
+  uint32_t (*pair)[2]; /* those whose blocks were named, i < j */
+  size_t pairs, room;
+  uint64_t number;  /* of the rows that they are from; 0: none */
+  hk_status failed; /* of the last pattern */
+} viscosity;
+
+static const hk_param params[] = {
+    {"mu", "Pa s", "dynamic viscosity; of water 1e-3, of honey 10", .number = HK_AT(viscosity, mu),
+     .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"slip", "", "whether the liquid slides along walls; false: they hold it fast", .boolean = HK_AT(viscosity, slip)},
+    HK_SPH_PARAMS(viscosity, common),
+    {0},
+};
+
+static const hk_field fields[] = {
+    HK_SPH_FIELDS(viscosity, common),
+    {0},
+};
+
+typedef struct task {
+  viscosity *self;
+  const hk_view *view;
+  hk_neighbour_rows rows;
+  const hk_periodic_box *box;
+  double *F;
+  double (*block)[6];
+} task;
+
+static hk_status begin(task *t, viscosity *p, const hk_view *view) {
+  *t = (task){.self = p, .view = view, .box = view->model->box};
+  p->factor = 2 * p->mu / p->common.kernel.fourth;
+  return hk_sph_begin(&p->common, view, &t->rows);
+}
+
+HK_INLINE double volume_of(const viscosity *p, size_t i) { return p->common.point[i][3] / p->common.density; }
+/* Two walls do not, and none where the liquid slides along them. */
+HK_INLINE bool rub(const viscosity *p, size_t i, size_t j) {
+  bool is_wall = p->common.role[i] == HK_SPH_WALL, other_is = p->common.role[j] == HK_SPH_WALL;
+  return p->slip ? !is_wall && !other_is : !(is_wall && other_is);
+}
+
+/* f, N s/m^3 */
+static double weight(const viscosity *p, size_t i, size_t j, double r2) {
+  if (!rub(p, i, j)) return 0;
+  return p->factor * volume_of(p, i) * volume_of(p, j) * hk_sph_slope(&p->common.kernel, r2);
+}
+
+/* ---- the force ---- */
+
+/* Returns its power by half, W: of a pair each end has one. */
+static double add_row(const task *t, size_t i) {
+  const double *v = t->view->v;
+  double power = 0;
+  hk_sph_near near;
+  for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
+    hk_sph_gather(&t->self->common, t->box, t->rows.other, end, i, &at, &near);
+    for (size_t k = 0; k < near.count; k++) {
+      const double d[3] = {near.d[0][k], near.d[1][k], near.d[2][k]}, *w = v + 3 * (size_t)near.other[k];
+      double speed = (v[3 * i] - w[0]) * d[0] + (v[3 * i + 1] - w[1]) * d[1] + (v[3 * i + 2] - w[2]) * d[2];
+      double f = weight(t->self, i, near.other[k], near.r2[k]);
+      hk_add_scaled(t->F + 3 * i, -f * speed, d);
+      power -= f * speed * speed / 2;
+    }
+  }
+  return power;
+}
+
+static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
+  const task *t = context;
+  double power = 0;
+  for (size_t k = first; k < end; k++) {
+    size_t i = hk_sph_acting(t->view, k);
+    if (t->self->common.role[i] != HK_SPH_NONE) power += add_row(t, i);
+  }
+  t->self->common.sums[chunk] = power;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  task t;
+  hk_status status = begin(&t, self, view);
+  if (status != HK_OK) return status;
+  t.F = F;
+  view->host->parallel_for(view->host, view->acting, HK_SPH_GRAIN, add_chunk, &t);
+  if (view->power) *view->power += hk_sph_total(&t.self->common, view);
+  return HK_OK;
+}
+
+/* ---- implicit methods ---- */
+
+/* Lists the pairs of the rows, which reach further than the kernel; `into` NULL: counts them. */
+static size_t list_pairs(const task *t, uint32_t (*into)[2]) {
+  const viscosity *p = t->self;
+  size_t count = 0;
+  for (size_t i = 0; i < t->rows.n; i++)
+    for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
+      uint32_t j = t->rows.other[e];
+      if (j < i || !(volume_of(p, i) > 0 && volume_of(p, j) > 0) || !rub(p, i, j)) continue;
+      if (into) into[count][0] = (uint32_t)i, into[count][1] = j;
+      count++;
+    }
+  return count;
+}
+
+/* Blocks are named for all pairs that can come within the kernel before the rows are found again. */
+static void pattern(void *self, const hk_view *view, hk_pattern *into) {
+  viscosity *p = self;
+  task t;
+  p->number = 0;
+  p->pairs = 0;
+  p->failed = begin(&t, p, view);
+  if (p->failed == HK_OK)
+    p->failed = hk_reserve(p->common.host, &p->pair, &p->room, list_pairs(&t, NULL), sizeof *p->pair);
+  if (p->failed != HK_OK) return;
+  p->pairs = list_pairs(&t, p->pair);
+  p->number = t.rows.number;
+  for (size_t k = 0; k < p->pairs; k++)
+    for (int e = 0; e < 4; e++) into->block(into, p->pair[k][e / 2], p->pair[k][e % 2]);
+}
+
+static double square_between(const hk_view *view, const uint32_t pair[2], double d[3]) {
+  hk_subtract(d, view->x + 3 * (size_t)pair[0], view->x + 3 * (size_t)pair[1]);
+  if (view->model->box) hk_nearest_image(view->model->box, d);
+  return hk_dot(d, d);
+}
+
+/* -dF_i/dd: F_i = -f (u.d) d, f' / r = -factor V V W'''... by the kernel's slope, -60 amplitude/R^2 (1 - t)^2 / (R r).
+ */
+static void add_turn(const viscosity *p, double f, double r2, const double d[3], const double u[3], double K[9]) {
+  double r = sqrt(r2), t = hk_sph_part(&p->common.kernel, r2), speed = hk_dot(u, d);
+  double fall = t < 1 && r > 0 ? -3 * f * p->common.kernel.inverse / ((1 - t) * r) : 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) K[3 * a + b] += fall * speed * d[a] * d[b] + f * (d[a] * u[b] + speed * (a == b));
+}
+
+static void add_block(double *to, const double B[9], double sign) {
+  for (int q = 0; q < 9; q++) to[q] += sign * B[q];
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  viscosity *p = self;
+  const size_t *slot = into->slot;
+  if (p->failed != HK_OK) return p->failed;
+  for (size_t k = 0; k < p->pairs; k++, slot += 4) {
+    size_t i = p->pair[k][0], j = p->pair[k][1];
+    double d[3], u[3], K[9] = {0}, D[9], r2 = square_between(view, p->pair[k], d), f = weight(p, i, j, r2);
+    if (!(f > 0)) continue;
+    hk_subtract(u, view->v + 3 * i, view->v + 3 * j);
+    for (int q = 0; q < 9; q++) D[q] = f * d[q / 3] * d[q % 3];
+    if (!(into->want & HK_WANT_SYMMETRIC)) add_turn(p, f, r2, d, u, K);
+    for (int e = 0; e < 4; e++) {
+      add_block(into->D + 9 * slot[e], D, e == 0 || e == 3 ? 1 : -1);
+      add_block(into->K + 9 * slot[e], K, e == 0 || e == 3 ? 1 : -1);
+    }
+  }
+  return HK_OK;
+}
+
+/* ---- the step ---- */
+
+/* f ((u_i - u_j).d)^2 <= 2 f (u_i.d)^2 + 2 f (u_j.d)^2; each end adds its own. */
+static void bound_chunk(void *context, size_t first, size_t end, size_t chunk) {
+  const task *t = context;
+  hk_sph_near near;
+  (void)chunk;
+  for (size_t m = first; m < end; m++) {
+    size_t i = hk_sph_acting(t->view, m);
+    for (size_t at = t->rows.row_start[i], last = t->rows.row_start[i + 1]; at < last;) {
+      hk_sph_gather(&t->self->common, t->box, t->rows.other, last, i, &at, &near);
+      for (size_t k = 0; k < near.count; k++) {
+        double f = 2 * weight(t->self, i, near.other[k], near.r2[k]);
+        for (int a = 0, q = 0; a < 3; a++)
+          for (int b = a; b < 3; b++, q++) t->block[i][q] += f * near.d[a][k] * near.d[b][k];
+      }
+    }
+  }
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  task t;
+  if (part != HK_DAMPING_WHOLE) return;
+  bool known = begin(&t, self, view) == HK_OK;
+  t.block = block;
+  if (known) view->host->parallel_for(view->host, view->acting, HK_SPH_GRAIN, bound_chunk, &t);
+  for (size_t i = 0; !known && i < view->n; i++)
+    for (int c = 0; c < 6; c++) block[i][c] = INFINITY;
+}
+
+static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
+  viscosity *p = self;
+  hk_neighbour_rows rows;
+  hk_status status = hk_sph_update(&p->common, from);
+  if (status == HK_OK) status = p->common.service->rows(p->common.service->self, from, x_to, &rows);
+  *pattern_changed = status == HK_OK && rows.number != p->number;
+  return status;
+}
+
+/* ---- the plugin ---- */
+
+static hk_status topology(void *self, const hk_view *view) {
+  viscosity *p = self;
+  p->number = 0;
+  return hk_sph_topology(&p->common, view);
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  return hk_sph_open(&((viscosity *)self)->common, host, view);
+}
+
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
+             HK_OFFERS_SYMMETRIC | HK_PERIODIC,
+    .add = add,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_STEPS_FACET(.update = update)),
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "viscosity",
+    .summary = "viscosity of a liquid by particles, F_i = -2 mu V_i V_j (-W'/r)/M (v_ij.d) d between neighbours",
+    .reference = "Monaghan 2005, Smoothed particle hydrodynamics, section 4.3; Espanol and Revenga 2003, equation 54",
+    .instance_size = sizeof(viscosity),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};

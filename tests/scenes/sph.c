@@ -1,0 +1,38 @@
+/* The scene of water by particles alone, against the experiment and against the grid. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static double front_at(const char *words, double t) {
+  char options[512];
+  snprintf(options, sizeof options, "%s --no-check --until %.9g", words, t);
+  test_scene(&r, "dam_break_sph", options);
+  return test_json(r.out, "front");
+}
+
+/* Martin and Moyce 1952, with their diaphragm's delay counted in, as liquids.c explains, whose grid is within 5 %. The
+ * column has no pressure at first and the viscosity is that which keeps particles in order, so the front is late: by 8
+ * to 11 % with 12 particles on the column's width, by 12 % with 8, by 4 to 8 % with 24. */
+static void a_dam_of_particles_breaks_as_in_the_experiment(void **state) {
+  (void)state;
+  static const double data[][2] = {{1.98, 2.33}, {2.51, 3.00}};
+  const double delay = 0.25, unit = sqrt(2 * 9.81 / 0.5);
+  for (size_t k = 0; k < sizeof data / sizeof *data; k++) {
+    double front = front_at("n=8", (data[k][0] - delay) / unit);
+    if (!(fabs(front / data[k][1] - 1) < 0.14)) fail_msg("T = %g: %.3f instead of %g", data[k][0], front, data[k][1]);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_dam_of_particles_breaks_as_in_the_experiment),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
