@@ -26,7 +26,6 @@ typedef struct gas {
   double *flow;                       /* n x 3 */
   double reached, last;               /* s, the end of the last step, and its length, 0: there is none; */
   double earlier;                     /* s, the length of the one before */
-  double squeezed;                    /* m, by which pressure left a cell's gas off, at most */
   int64_t said;
   uint32_t *index;
   size_t count, obstacles; /* tracers; obstacles that were entered before */
@@ -109,7 +108,6 @@ static const hk_field fields[] = {
     {"flow", .per_particle = HK_AT(gas, flow), .width = 3, .flags = HK_PUBLISHED},
     {"reached", .number = HK_AT(gas, reached)},
     {"last", .number = HK_AT(gas, last)},
-    {"squeezed", .number = HK_AT(gas, squeezed)},
     {"said", .integer = HK_AT(gas, said)},
     {0},
 };
@@ -258,15 +256,14 @@ static void feed(gas *s, const hk_correction *c) {
 }
 
 /* From where they were before the step, whatever forces have made of them in it. */
-static void carry_tracers(gas *s, hk_correction *c) {
-  for (size_t k = 0; k < s->count; k++) {
-    size_t i = s->index[k];
-    double *x = c->x + 3 * i;
-    memcpy(x, c->x_before + 3 * i, 3 * sizeof *x);
-    hk_gas_move(&s->method, i, c->h, x);
-    hk_gas_flow(&s->method, x, c->v + 3 * i);
-  }
-  c->changed |= s->count > 0;
+static bool carry_tracer(gas *s, const hk_correction *c, size_t i) {
+  double *x = c->x + 3 * i, *v = c->v + 3 * i, came[6];
+  memcpy(came, x, 3 * sizeof *x);
+  memcpy(came + 3, v, 3 * sizeof *v);
+  memcpy(x, c->x_before + 3 * i, 3 * sizeof *x);
+  hk_gas_move(&s->method, i, c->h, x);
+  hk_gas_flow(&s->method, x, v);
+  return memcmp(came, x, 3 * sizeof *x) || memcmp(came + 3, v, 3 * sizeof *v);
 }
 
 static void say(gas *s, const hk_view *view, double courant) {
@@ -312,16 +309,23 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->last = c->h;
   hk_status status = step(s, c);
   if (status != HK_OK) return status;
-  carry_tracers(s, c);
+  for (size_t k = 0; k < s->count; k++) c->changed |= carry_tracer(s, c, s->index[k]);
   show(s, view, c->x);
-  s->squeezed = fmax(s->squeezed, m->flow.left * c->h * m->flow.grid.spacing[m->flow.grid.slab]);
   say(s, view, courant);
   return HK_OK;
 }
 
+/* m: the tracer that is farthest in a wall. */
 static double violation(void *self, const hk_view *view) {
-  (void)view;
-  return ((const gas *)self)->squeezed;
+  const gas *s = self;
+  double most = 0;
+  for (size_t k = 0; k < s->count; k++) {
+    const double *x = view->x + 3 * (size_t)s->index[k];
+    double kept[3] = {x[0], x[1], x[2]};
+    hk_gas_keep(&s->method, s->index[k], kept);
+    most = fmax(most, sqrt(pow(x[0] - kept[0], 2) + pow(x[1] - kept[1], 2) + pow(x[2] - kept[2], 2)));
+  }
+  return most;
 }
 
 static const hk_corrector corrector = {

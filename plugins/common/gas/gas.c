@@ -21,7 +21,10 @@ hk_status hk_gas_open_fields(hk_gas *s, const hk_host *host) {
                       g->cells[1], g->cells[2]);
   for (int f = 0; f < HK_GAS_FIELDS; f++) s->from[f] = f < 3 ? g->push[f] : s->before[f];
   for (int c = 0; c < 3; c++) s->along[c] = g->before[c];
-  for (size_t i = 0; i < g->size; i++) g->distance[i] = 1; /* beyond open sides there is air */
+  for (size_t i = 0; i < g->size; i++) {
+    g->distance[i] = 1;                              /* beyond open sides there is air */
+    for (int c = 0; c < 3; c++) g->weight[c][i] = 1; /* no face lacks a velocity */
+  }
   return HK_OK;
 }
 

@@ -103,6 +103,8 @@ double hk_gas_courant(const hk_gas *, double *const velocity[3], double h);
 /* The place x of a tracer after h in the gas as it is now, by the midpoint rule; it is kept out of walls, and beyond
  * open sides goes on with the wind that left there. */
 void hk_gas_move(const hk_gas *, size_t particle, double h, double x[3]);
+/* Takes x out of obstacles along their normals, then into the box where it is closed. */
+void hk_gas_keep(const hk_gas *, size_t particle, double x[3]);
 /* m/s, at x. */
 void hk_gas_flow(const hk_gas *, const double x[3], double u[3]);
 /* Whether the box has room, in space or a plane, and its grid fits into `most` bytes. HK_BAD_PARAM, with a message. */

@@ -10,8 +10,7 @@ void hk_gas_flow(const hk_gas *s, const double x[3], double u[3]) {
   for (int a = 0; a < 3; a++) u[a] = g->flat[a] ? 0 : hk_liquid_value(g, s->now[a], &at, a);
 }
 
-/* Out of obstacles along their normals, then into the box where it is closed. */
-static void keep(const hk_gas *s, size_t particle, double x[3]) {
+void hk_gas_keep(const hk_gas *s, size_t particle, double x[3]) {
   const hk_liquid_grid *g = &s->flow.grid;
   const hk_obstacle_set *all = s->flow.obstacles;
   for (size_t k = 0; all && k < all->count; k++) {
@@ -31,5 +30,5 @@ void hk_gas_move(const hk_gas *s, size_t particle, double h, double x[3]) {
   for (int c = 0; c < 3; c++) middle[c] = x[c] + h / 2 * u[c];
   hk_gas_flow(s, middle, u);
   for (int c = 0; c < 3; c++) x[c] += h * u[c];
-  keep(s, particle, x);
+  hk_gas_keep(s, particle, x);
 }
