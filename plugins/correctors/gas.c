@@ -9,6 +9,7 @@
 #include "plugins/common/gas/gas.h"
 #include "plugins/common/gas/gas_start.h"
 #include "plugins/common/obstacles/obstacles_service.h"
+#include "plugins/common/volume/volume.h"
 
 #include <string.h>
 
@@ -30,6 +31,7 @@ typedef struct gas {
   uint32_t *index;
   size_t count, obstacles; /* tracers; obstacles that were entered before */
   hk_gas method;
+  hk_volume shown; /* for pictures */
   const hk_host *host;
 } gas;
 
@@ -168,32 +170,18 @@ static void set_method(gas *s) {
   m->impulse = at;
 }
 
-/* Obstacles between whose sides the grid has no cell that is closed, boxes and sources that are too small for it. */
-static void warn_of_cells(const gas *s) {
+static hk_status offer_volume(gas *s) {
   const hk_liquid_grid *g = &s->method.flow.grid;
-  const hk_obstacle_set *all = s->method.flow.obstacles;
-  double cell = fmax(g->spacing[0], fmax(g->spacing[1], g->spacing[2]));
-  for (size_t k = 0; k < all->count; k++) {
-    const hk_shape *shape = &all->member[k]->shape;
-    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
-    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
-    if (least < 2 * cell)
-      s->host->warn(s->host,
-                    "obstacle %zu is %.3g m thin, and cells are %.3g m: gas may leak through what is thinner than two "
-                    "of them; take smaller ones or a thicker obstacle",
-                    k + 1, least, cell);
-  }
-  for (int c = 0; c < 3; c++)
-    if (!g->flat[c] && g->cells[c] < 4)
-      s->host->warn(s->host,
-                    "the gas has %zu cells across its box along %c: fewer than four show no flow; take cells of "
-                    "%.3g m or less",
-                    g->cells[c], "xyz"[c], (g->high[c] - g->low[c]) / 4);
-  if (s->sources.count && s->source_radius < cell)
-    s->host->warn(s->host,
-                  "source_radius: %.3g m is less than a cell, %.3g m: what such a source gives depends on "
-                  "where cells are; take a larger one or smaller cells",
-                  s->source_radius, cell);
+  hk_volume *v = &s->shown;
+  memcpy(v->low, g->low, sizeof v->low);
+  memcpy(v->spacing, g->spacing, sizeof v->spacing);
+  memcpy(v->cells, g->cells, sizeof v->cells);
+  memcpy(v->stride, g->stride, sizeof v->stride);
+  v->size = g->size;
+  v->smoke = s->method.now[HK_GAS_SMOKE], v->heat = s->method.now[HK_GAS_HEAT];
+  v->ambient = s->start.ambient;
+  const hk_volumes *all = s->host->query(s->host, HK_VOLUMES_INTERFACE);
+  return all ? all->show(all->self, v) : HK_FAILED;
 }
 
 /* What particles show of the gas. */
@@ -228,10 +216,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   set_method(s);
   choose_fields(s);
   hk_gas_open_sides(m, (hk_gas_open)s->openings);
-  warn_of_cells(s);
+  hk_gas_warn_of_cells(m, s->sources.count ? s->source_radius : INFINITY);
   status = hk_gas_start_fields(m, &s->start, view->t);
   if (status == HK_OK) show(s, view, view->x);
-  return status;
+  return status == HK_OK ? offer_volume(s) : status;
 }
 
 static void destroy(void *self, const hk_host *host) {

@@ -75,7 +75,7 @@ static int channel(lua_State *L) {
   return hk_lua_fail(L, HK_BAD_PARAM, "there is no channel '%s'", name);
 }
 
-/* What a plugin publishes of each particle (HK_PUBLISHED), as the density of a liquid. */
+/* What a plugin publishes of each particle (HK_PUBLISHED), such as a density. */
 static int field(lua_State *L) {
   hk_run *run = run_of(L);
   const char *name = hk_lua_text(L, 2, "state:field(\"full\", id)");

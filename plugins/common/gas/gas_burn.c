@@ -43,7 +43,7 @@ static void burn_cell(const hk_gas_task *t, const hk_liquid_row *row, size_t i) 
   *heat *= exp(-s->cooling * t->h);
   /* dT/dt = -radiation (T/1000 K)^4 */
   double T = *heat / 1000;
-  if (s->radiation > 0 && T > 0) *heat = 1000 * T / cbrt(1 + 3 * s->radiation / 1000 * t->h * T * T * T);
+  if (s->radiation > 0 && T > 0) *heat = 1000 * T / pow(1 + 3 * s->radiation / 1000 * t->h * T * T * T, 1.0 / 3);
 }
 
 void hk_gas_burn(hk_gas *s, double h) {
