@@ -26,8 +26,8 @@ static void a_granular_gas_cools_by_haffs_law(void **state) {
   assert_true(test_json(r.out, "momentum_drift") < 1e-13); /* rounding */
 }
 
-/* A tracer in the smoke, 0.25 m high, goes up the side of the ball, which is from 0.47 to 0.77 m high; without warmth the
- * smoke is heavier than air, and it sinks. */
+/* A tracer in the smoke, 0.25 m high, goes up the side of the ball, which is from 0.47 to 0.77 m high; without warmth
+ * the smoke is heavier than air, and it sinks. */
 static void a_plume_passes_a_ball(void **state) {
   (void)state;
   test_scene(&r, "plume", "cell=0.1 --until 2");
