@@ -6,6 +6,8 @@
 #include "plugins/common/film/solid_list.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/particle_surface/view_surface.h"
+#include "plugins/common/snapshot/births.h"
+#include "plugins/common/volume/volume_choice.h"
 
 #include <string.h>
 
@@ -21,15 +23,15 @@ typedef struct frames {
   size_t solid_count;
   int map, up, springs, particles, style, light;
   hk_surface_wanted wanted;
+  hk_volume_optics volume_optics;
   bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
   hk_film film;
   hk_view_surface surface;
-  bool changed;         /* the topology may have changed since the last picture */
-  double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
-  double last;          /* s, time of the frame before */
+  bool changed; /* the topology may have changed since the last picture */
+  hk_births births;
 } frames;
 
 enum { Z_UP, Y_UP };
@@ -139,6 +141,12 @@ static const hk_param params[] = {
      "of a clear surface, of red, green and blue light; left out: pure water at 650, 550 and 450 nm (Pope and Fry "
      "1997), blue in metres",
      .vector = HK_AT(frames, wanted.absorption), .initial = {0.34, 0.0565, 0.00922}, .limits = HK_WITHIN(0, 1e9)},
+    {"smoke", "m^2/kg",
+     "draw the smoke of gases, which hides by so much a mass; 8700 is soot (Mulholland and Croarkin 2000); left out: "
+     "it is not drawn",
+     .number = HK_AT(frames, volume_optics.extinction), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"glow", "1/m", "with smoke: light of gas of 2000 K in a metre, where 1 is white; cooler gas is redder and darker",
+     .number = HK_AT(frames, volume_optics.glow), .limits = HK_AT_LEAST(0)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -164,8 +172,8 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    {"seen", .per_particle = HK_AT(frames, seen), .width = 1},
-    {"birth", .per_particle = HK_AT(frames, birth), .width = 1},
+    {"seen", .per_particle = HK_AT(frames, births.seen), .width = 1},
+    {"birth", .per_particle = HK_AT(frames, births.birth), .width = 1},
     {0},
 };
 
@@ -309,29 +317,11 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     host->warn(host, "pictures, video and sheet are all off: nothing is written");
   if (status == HK_OK) status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
   if (status == HK_OK) status = choose_look(f, view->model);
+  f->film.volume_optics = f->volume_optics;
+  if (status == HK_OK) status = hk_volumes_choose(host, &f->volume_optics, f->up == Y_UP, &f->film.volumes);
   if (status == HK_OK && f->unit && f->film.appearance.paint != HK_PAINT_CHANNEL)
     return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");
   return status;
-}
-
-/* Who appears between two frames is taken to be born in the middle. Returns how many are new. */
-static size_t note_births(frames *f, const hk_view *view, double born) {
-  size_t count = 0;
-  for (size_t i = 0; i < view->n; i++)
-    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born, count++;
-  f->last = view->t;
-  return count;
-}
-
-/* Where a run goes on, births before that are known only as far as the checkpoint has this output's fields. */
-static void note_first(frames *f, const hk_view *view) {
-  size_t count = note_births(f, view, 0);
-  if (count && view->t > 0 && f->film.appearance.paint == HK_PAINT_AGE)
-    f->host->warn(
-        f->host,
-        "age: %zu particles were born before t = %g s, nobody noted when: they are shown as old as the run; a "
-        "channel with the name age and rate = function() return 1 end keeps it",
-        count, view->t);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
@@ -340,20 +330,21 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (status != HK_OK) return status;
   make_plan(f, view->t);
   f->film.skins = view->model->skins;
-  note_first(f, view);
+  hk_births_note_first(&f->births, view, f->film.appearance.paint == HK_PAINT_AGE);
   f->film.files.fps = frame->fps / (double)f->every;
   f->changed = true;
-  return hk_film_open(&f->film, view->host);
+  status = hk_film_open(&f->film, view->host);
+  return status == HK_OK ? hk_volumes_check(f->host, f->film.volumes, f->film.waiting) : status;
 }
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
-  note_births(f, view, (f->last + view->t) / 2);
+  hk_births_note(&f->births, view, (f->births.last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
   place_camera(f, view->t);
   hk_status status = f->film.liquid ? hk_view_surface_take(&f->surface, view, f->up == Y_UP) : HK_OK;
   f->film.liquid_normal = f->surface.smooth && f->surface.surface.normal ? f->surface.surface.normal[0] : NULL;
-  if (status == HK_OK) status = hk_film_add(&f->film, view, f->birth, f->changed);
+  if (status == HK_OK) status = hk_film_add(&f->film, view, f->births.birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;
 }

@@ -1,4 +1,4 @@
-/* Scenes of gases: numbers that kinetic theory knows. */
+/* Scenes of gases, of grains and on grids: numbers that are known, and what has to happen. */
 #include "tests/support/command.h"
 
 #include <math.h>
@@ -26,9 +26,31 @@ static void a_granular_gas_cools_by_haffs_law(void **state) {
   assert_true(test_json(r.out, "momentum_drift") < 1e-13); /* rounding */
 }
 
+/* A tracer in the smoke, 0.25 m high, goes up the side of the ball, which is from 0.47 to 0.77 m high; without warmth
+ * the smoke is heavier than air, and it sinks. */
+static void a_plume_passes_a_ball(void **state) {
+  (void)state;
+  test_scene(&r, "plume", "cell=0.1 --until 2");
+  assert_true(test_json(r.out, "height") > 0.55);
+  test_scene(&r, "plume", "cell=0.1 warm=0 --until 0.5");
+  assert_true(test_json(r.out, "height") < 0.25);
+}
+
+/* The vapour comes with 1200 K, and is hotter where it burns: by 1400 K at most. */
+static void a_candle_burns(void **state) {
+  (void)state;
+  test_scene(&r, "candle", "cell=0.008 --until 0.1");
+  double hot = test_json(r.out, "hottest");
+  test_scene(&r, "candle", "cell=0.008 rate=0 --until 0.1");
+  double cold = test_json(r.out, "hottest");
+  if (!(hot > cold + 20 && hot < 2600 && cold <= 1200)) fail_msg("%.0f K with and %.0f K without fire", hot, cold);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_granular_gas_cools_by_haffs_law),
+      cmocka_unit_test(a_plume_passes_a_ball),
+      cmocka_unit_test(a_candle_burns),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,6 +28,7 @@ static const char *options_of(const char *file) {
   if (strcmp(file, "frames.so") == 0) return "width=64 height=48 video=false --seconds 100";
   /* a box about the particles of the check's scenes, which it cannot guess */
   if (strcmp(file, "liquid.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=1 density=1";
+  if (strcmp(file, "gas.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=2.5";
   return "";
 }
 

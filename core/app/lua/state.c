@@ -75,6 +75,25 @@ static int channel(lua_State *L) {
   return hk_lua_fail(L, HK_BAD_PARAM, "there is no channel '%s'", name);
 }
 
+/* What a plugin publishes of each particle (HK_PUBLISHED), such as a density. */
+static int field(lua_State *L) {
+  hk_run *run = run_of(L);
+  const char *name = hk_lua_text(L, 2, "state:field(\"full\", id)");
+  const hk_model *m = hk_run_view(run)->model;
+  size_t i = index_of(L, run, 3);
+  for (size_t k = 0; k < m->publications; k++) {
+    const hk_publication *p = &m->published[k];
+    if (strcmp(p->name, name) != 0) continue;
+    const double *value = *p->values + p->width * i;
+    if (p->width == 1)
+      lua_pushnumber(L, *value);
+    else
+      push_numbers(L, value, p->width);
+    return 1;
+  }
+  return hk_lua_fail(L, HK_BAD_PARAM, "no plugin of the scene publishes a field '%s' of particles", name);
+}
+
 static int ids(lua_State *L) {
   const hk_view *view = hk_run_view(run_of(L));
   lua_createtable(L, (int)view->n, 0);
@@ -135,6 +154,7 @@ static const luaL_Reg methods[] = {{"position", position},
                                    {"velocity", velocity},
                                    {"mass", mass},
                                    {"channel", channel},
+                                   {"field", field},
                                    {"ids", ids},
                                    {"energy", energy},
                                    {"kinetic", kinetic_energy},

@@ -110,3 +110,10 @@ void hk_fit_end(const hk_fit *fit, hk_camera *camera) {
     camera->target[c] = across + middle * fit->axis[2][c];
   }
 }
+
+void hk_camera_distances(const hk_camera *camera, size_t count, float *depth) {
+  float sum = (float)(camera->far + camera->near), difference = (float)(camera->far - camera->near);
+  float product = (float)(2 * camera->far * camera->near);
+  for (size_t k = 0; k < count; k++)
+    depth[k] = depth[k] <= 0 ? -INFINITY : depth[k] >= 1 ? INFINITY : product / (sum - (2 * depth[k] - 1) * difference);
+}

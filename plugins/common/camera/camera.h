@@ -24,6 +24,10 @@ typedef struct hk_lens {
 void hk_camera_axes(const hk_camera *, double right[3], double up[3], double back[3]);
 void hk_camera_lens(const hk_camera *, hk_lens *);
 
+/* From depths between the planes, 0 to 1, to distances along the line of sight, m. Strokes, at depth 0, are nearer than
+ * anything, and where nothing was drawn, at depth 1, there is no end. */
+void hk_camera_distances(const hk_camera *, size_t count, float *depth);
+
 /* Sets the eye's direction for a motion inside the box: from the front, more from above the flatter the motion, and
  * across the thinner of its horizontal sides. `target` becomes the middle of the box, the eye one metre from it. */
 void hk_camera_aim(hk_camera *, const double low[3], const double high[3]);

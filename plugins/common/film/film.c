@@ -191,6 +191,8 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
     if (f->framing.viewport[p].own) f->framing.viewport[p].given = f->own;
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
+  f->painter.volumes = f->volumes, f->painter.volume_optics = f->volume_optics;
+  memcpy(f->painter.volume_origin, f->snapshot.origin, sizeof f->snapshot.origin);
   status = use_context(f);
   if (status == HK_OK) status = draw(f, 0);
   return status == HK_OK ? hk_film_files_add(&f->files, f->picture) : status;

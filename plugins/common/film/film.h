@@ -29,7 +29,9 @@ typedef struct hk_film {
   const double *liquid_normal;      /* as hk_snapshot3d.normal; may be others at each picture */
   double liquid_radius;             /* m, of its particles */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
-  size_t skins;                     /* surfaces of rigid bodies, drawn likewise */
+  const hk_volumes *volumes;        /* smoke and flames, as they are when a picture is added; NULL: none */
+  hk_volume_optics volume_optics;
+  size_t skins; /* surfaces of rigid bodies, drawn likewise */
   hk_appearance appearance;
   hk_framing framing;  /* with the viewports of the pictures */
   hk_camera_place own; /* of the scene's own camera, in the scene's coordinates, z up; may change before each picture */

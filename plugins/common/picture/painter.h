@@ -12,6 +12,7 @@
 #include "plugins/common/picture/water.h"
 #include "plugins/common/snapshot/border.h"
 #include "plugins/common/sprites/sprites.h"
+#include "plugins/common/volume/volume.h"
 
 typedef struct hk_tube { /* one spring, or one stroke of text */
   float a[3], b[3], radius;
@@ -24,7 +25,7 @@ typedef struct hk_vertex {
 } hk_vertex;
 
 enum { HK_MESH, HK_TUBE, HK_FLOOR, HK_SHADE, HK_BACKDROP, HK_PROGRAMS };
-enum { HK_THINGS, HK_SHADOWS, HK_SPRITES, HK_PATCHES };
+enum { HK_THINGS, HK_SHADOWS, HK_SPRITES, HK_VOLUMES_PATCH, HK_PATCHES };
 enum { HK_TUBE_CORNERS = 8 };
 enum { HK_SHADOW_SIZE = 384 }; /* texels along a side */
 
@@ -55,6 +56,9 @@ typedef struct hk_painter {
    * of a clear liquid: where each but the last end. */
   size_t cloth, bodies, opaque, planes;
   hk_water water;
+  const hk_volumes *volumes; /* smoke and flames; NULL: none are drawn */
+  hk_volume_optics volume_optics;
+  double volume_origin[3]; /* of positions, in the scene's coordinates, m */
   hk_border border;
   hk_corner_normals normals;
   float (*corner)[3]; /* 3 a face: normals */

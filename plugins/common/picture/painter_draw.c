@@ -3,6 +3,7 @@
 #include "plugins/common/gl/gl.h"
 #include "plugins/common/picture/painted.h"
 #include "plugins/common/picture/shadow.h"
+#include "plugins/common/volume/volume_pass.h"
 
 #include <string.h>
 
@@ -302,15 +303,6 @@ void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, doub
   glDepthFunc(GL_LESS);
 }
 
-/* From depths between the planes to distances along the line of sight. Strokes, at depth 0, are nearer than anything,
- * and where nothing was drawn, at depth 1, there is no end. */
-static void find_distances(const hk_camera *camera, size_t count, float *depth) {
-  float sum = (float)(camera->far + camera->near), difference = (float)(camera->far - camera->near);
-  float product = (float)(2 * camera->far * camera->near);
-  for (size_t k = 0; k < count; k++)
-    depth[k] = depth[k] <= 0 ? -INFINITY : depth[k] >= 1 ? INFINITY : product / (sum - (2 * depth[k] - 1) * difference);
-}
-
 static hk_sprite_shading shading_of(const scene *s) {
   hk_sprite_shading shading = s->setup->sprites;
   memcpy(shading.light, s->light[1], sizeof shading.light);
@@ -349,19 +341,32 @@ static void read_patches(hk_painter *p, unsigned char *rgba) {
   p->fresh = false;
 }
 
+static hk_status draw_volumes(hk_painter *p, const scene *s, unsigned char *rgba) {
+  if (!p->volumes) return HK_OK;
+  hk_volume_draw like = {.host = p->host,
+                         .optics = &p->volume_optics,
+                         .setup = s->setup,
+                         .width = p->canvas.width,
+                         .height = p->canvas.height};
+  memcpy(like.origin, p->volume_origin, sizeof like.origin);
+  memcpy(like.key, s->key, sizeof like.key);
+  return hk_volume_pass(p->volumes, &like, &p->canvas, &s->lens, &p->patch[HK_VOLUMES_PATCH], rgba);
+}
+
 hk_status hk_painter_read(hk_painter *p, const hk_view_setup *setup, unsigned char *rgba) {
   scene s = make_scene(setup);
   hk_sprites *sprites = &p->sprites;
   hk_sprite_shading shading = shading_of(&s);
   read_patches(p, rgba);
-  hk_status status =
-      hk_sprites_place(sprites, &s.lens, &shading, p->canvas.width, p->canvas.height, p->point, p->points);
+  hk_status status = draw_volumes(p, &s, rgba);
+  if (status == HK_OK)
+    status = hk_sprites_place(sprites, &s.lens, &shading, p->canvas.width, p->canvas.height, p->point, p->points);
   const hk_light_image *image = &sprites->image;
   p->patch[HK_SPRITES] = (hk_patch){image->left, image->bottom, image->width, image->height};
   memcpy(p->old, p->patch, sizeof p->old);
   if (status != HK_OK || image->width * image->height == 0) return status;
   hk_canvas_read_depth(&p->canvas, image->left, image->bottom, image->width, image->height, sprites->distance);
-  find_distances(&setup->camera, (size_t)image->width * (size_t)image->height, sprites->distance);
+  hk_camera_distances(&setup->camera, (size_t)image->width * (size_t)image->height, sprites->distance);
   hk_sprites_draw(sprites, &shading, rgba, p->canvas.width);
   return HK_OK;
 }

@@ -262,6 +262,17 @@ static void a_rate_gets_time_id_and_values(void **state) {
             "  assert(math.abs(y[1] - 1 - 0.1 * id) < 1e-12 and math.abs(y[2] - 2 - 0.2 * id) < 1e-12)\nend");
 }
 
+/* A gas at rest, of which nothing but its wind is known. */
+static void a_state_knows_what_plugins_publish(void **state) {
+  (void)state;
+  good(BALL "scene:corrector('gas', { low = {-1, -1, -1}, high = {1, 1, 1}, cell = 0.5, ambient = 300, open = 'all',\n"
+            "  wind = {2, 0, 0} })\n"
+            "local s = scene:run { to = 0 }:state()\n"
+            "assert(s:field('temperature', 1) == 300 and s:field('flow', 1)[1] == 2 and #s:field('flow', 1) == 3)\n"
+            "local fine, why = pcall(s.field, s, 'vapour', 1)\n"
+            "assert(not fine and tostring(why):find(\"no plugin of the scene publishes a field 'vapour'\", 1, true))");
+}
+
 /* The square 1 2 3 4, cut along 1-3: four sides and the cut; across the cut 2 faces 4. */
 static void a_mesh_knows_its_sides_and_what_faces_across_them(void **state) {
   (void)state;
@@ -322,6 +333,7 @@ int main(void) {
       cmocka_unit_test(driving_goes_on_and_ends_with_a_verdict),
       cmocka_unit_test(driving_to_frames_takes_no_step_beside_them),
       cmocka_unit_test(a_rate_gets_time_id_and_values),
+      cmocka_unit_test(a_state_knows_what_plugins_publish),
       cmocka_unit_test(a_mesh_knows_its_sides_and_what_faces_across_them),
       cmocka_unit_test(tools_load_and_drive_scenes),
   };

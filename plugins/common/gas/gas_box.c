@@ -1,0 +1,54 @@
+/* Whether a gas has room, and its grid cells enough. */
+#include "plugins/common/gas/gas.h"
+
+hk_status hk_gas_check_box(const hk_host *host, const double low[3], const double high[3], double cell, double most) {
+  double cells[3];
+  int flat = 0;
+  for (int c = 0; c < 3; c++) {
+    double length = high[c] - low[c];
+    if (!(length >= 0))
+      return host->fail(host, HK_BAD_PARAM,
+                        "high: %g m is below low, %g m, along %c: the gas has no room; give the box's upper corner",
+                        high[c], low[c], "xyz"[c]);
+    flat += length == 0;
+    cells[c] = length == 0 ? 1 : fmax(1, round(length / cell));
+  }
+  if (flat > 1)
+    return host->fail(host, HK_BAD_PARAM,
+                      "low, high: the box has no depth along two axes or more: a gas needs a plane or space; give it "
+                      "room along another one");
+  double bytes = hk_gas_bytes(cells);
+  if (bytes > most)
+    return host->fail(host, HK_BAD_PARAM,
+                      "cell: a gas on %.0f x %.0f x %.0f cells of %g m takes %.3g GB, and `memory` allows %.3g: take "
+                      "larger cells or a smaller box, or allow more",
+                      cells[0], cells[1], cells[2], cell, bytes / 1e9, most / 1e9);
+  return HK_OK;
+}
+
+void hk_gas_warn_of_cells(const hk_gas *s, double source_radius) {
+  const hk_liquid_grid *g = &s->flow.grid;
+  const hk_obstacle_set *all = s->flow.obstacles;
+  double cell = fmax(g->spacing[0], fmax(g->spacing[1], g->spacing[2]));
+  for (size_t k = 0; k < all->count; k++) {
+    const hk_shape *shape = &all->member[k]->shape;
+    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
+    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
+    if (least < 2 * cell)
+      s->host->warn(s->host,
+                    "obstacle %zu is %.3g m thin, and cells are %.3g m: gas may leak through what is thinner than two "
+                    "of them; take smaller ones or a thicker obstacle",
+                    k + 1, least, cell);
+  }
+  for (int c = 0; c < 3; c++)
+    if (!g->flat[c] && g->cells[c] < 4)
+      s->host->warn(s->host,
+                    "the gas has %zu cells across its box along %c: fewer than four show no flow; take cells of "
+                    "%.3g m or less",
+                    g->cells[c], "xyz"[c], (g->high[c] - g->low[c]) / 4);
+  if (source_radius < cell)
+    s->host->warn(s->host,
+                  "source_radius: %.3g m is less than a cell, %.3g m: what such a source gives depends on "
+                  "where cells are; take a larger one or smaller cells",
+                  source_radius, cell);
+}
