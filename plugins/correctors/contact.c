@@ -44,7 +44,7 @@ enum {
 
 /* Of the thickness: gaps may be closed by so much at the end of a step; what sweeps leave; what they leave where
  * nothing moves; and of bodies, which have fewer impacts. */
-static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12, left_by_bodies = 1e-6;
+static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12, left_by_bodies = 1e-5;
 
 /* Of the thickness: what gaps between two faces may be off a plane, so that their corners stand for all. */
 static const double flat = 1e-5;

@@ -20,6 +20,9 @@ static const double held = 1e-12;
 /* Of the tolerance: what is left of places where moments hold what friction would roll, as every step adds to it. */
 static const double finer = 1e-3;
 
+/* Of the distance at which an impact's features touch: what it moves in a step at most, as of stacks at rest. */
+static const double resting = 0.01;
+
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
   s->bodies = host->query(host, "bodies/1");
@@ -59,6 +62,7 @@ typedef struct sweeping {
   double tolerance;
   bool speeds; /* which level of the impacts */
   bool moved;  /* something was moved by more than the tolerance */
+  int failed;  /* Newton's iterations at this level */
 } sweeping;
 
 static hk_impact_level *level_of(const sweeping *w, hk_impact *k) { return w->speeds ? &k->speed : &k->place; }
@@ -167,6 +171,18 @@ static hk_status sweep(sweeping *w) {
   return status;
 }
 
+/* Whether all impacts are of what lies still, or nearly so. */
+static bool all_rest(const sweeping *w) {
+  for (size_t e = 0; e < w->bodies->contacts; e++)
+    if (w->solver->impact[e].motion * w->move->h > resting * w->solver->impact[e].pair.offset) return false;
+  return true;
+}
+
+static hk_status newton(const sweeping *w, bool *solved) {
+  const hk_body_newton_task task = {w->speeds, all_rest(w), w->tolerance / 2, w->y};
+  return hk_body_newton(w->bodies, w->solver, &task, solved);
+}
+
 static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
   hk_status status = HK_OK;
   w->moved = true;
@@ -178,14 +194,13 @@ static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
  * Newton's iteration has the last word, and a further sweep looks whether others are met now. */
 static hk_status sweep_all(sweeping *w, size_t *sweeps) {
   hk_status status = HK_OK;
-  int failed = 0;
   *sweeps = 0;
   do {
     status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
     bool solved = false;
     if (status != HK_OK || !w->moved) return status;
-    if (failed < NEWTONS) status = hk_body_newton(w->bodies, w->solver, w->speeds, w->tolerance / 2, w->y, &solved);
-    failed += !solved;
+    if (w->failed < NEWTONS) status = newton(w, &solved);
+    w->failed += !solved;
     for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
   } while (status == HK_OK && *sweeps < w->solver->most);
   return status;
@@ -312,7 +327,7 @@ static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
 hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_step_move *m,
                                hk_gauss_seidel_result *done) {
   hk_contact_solver solver = *given;
-  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false};
+  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false, 0};
   *done = (hk_gauss_seidel_result){0};
   hk_status status = linearise(s, m);
   if (status == HK_OK) status = make_room(s, given);
@@ -326,7 +341,7 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) turn_speeds(s, m);
   if (status == HK_OK) status = settle(s, m);
-  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
+  w.speeds = true, w.failed = 0, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
   if (status == HK_OK) status = solve_energy(s, &w, m);
   given->now = solver.now;
   if (status == HK_OK && given->count) memcpy(given->impact, s->row, given->count * sizeof *s->row);

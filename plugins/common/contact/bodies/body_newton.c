@@ -231,9 +231,8 @@ static void take_over(const newton *w, double *y) {
   }
 }
 
-hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, bool speeds, double tolerance, double *y,
-                         bool *solved) {
-  newton w = {s, solver, speeds, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, const hk_body_newton_task *task, bool *solved) {
+  newton w = {s, solver, task->speeds, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
   *solved = false;
   hk_status status = hk_reserve(s->host, &s->unknown, &s->unknown_room, 2 * solver->count, sizeof *s->unknown);
   if (status != HK_OK) return status;
@@ -249,9 +248,10 @@ hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, bool spe
   w.z = w.A + w.size * w.size;
   w.z_0 = w.z + w.size, w.u_0 = w.z_0 + w.size, w.u = w.u_0 + w.size, w.rhs = w.u + w.size, w.step = w.rhs + w.size,
   w.axis = w.step + w.size;
-  set_axes(&w, y);
+  set_axes(&w, task->y);
   for (size_t k = 0; k < w.count; k++) find_columns(&w, k);
-  *solved = iterate(&w, tolerance) || iterate_from_cones(&w, tolerance, w.axis + 3 * w.size);
-  if (*solved) take_over(&w, y);
+  *solved = iterate(&w, task->tolerance);
+  if (!*solved && task->rest) *solved = iterate_from_cones(&w, task->tolerance, w.axis + 3 * w.size);
+  if (*solved) take_over(&w, task->y);
   return HK_OK;
 }
