@@ -30,16 +30,24 @@
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
 #include "plugins/common/contact/bodies/body_impacts.h"
+#include "plugins/common/contact/bodies/face_contacts.h"
 #include "plugins/common/contact/bodies/surface_arms.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
 #include "plugins/kit/vector3.h"
 
-enum { ROUNDS = 6 /* of solutions and narrow phases in a step */, MOST_DIVISIONS = 5 /* of 12 that the host allows */ };
+enum {
+  ROUNDS = 6 /* of solutions and narrow phases in a step */,
+  FACES = 4 /* of these with corners of faces alone */,
+  MOST_DIVISIONS = 5 /* of 12 that the host allows */
+};
 
-/* Of the thickness: gaps may be closed by so much at the end of a step; what sweeps leave; and what they leave where
- * nothing moves. */
-static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12;
+/* Of the thickness: gaps may be closed by so much at the end of a step; what sweeps leave; what they leave where
+ * nothing moves; and of bodies, which have fewer impacts. */
+static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12, left_by_bodies = 1e-5;
+
+/* Of the thickness: what gaps between two faces may be off a plane, so that their corners stand for all. */
+static const double flat = 1e-5;
 
 /* Of the extent of a body: a radius that turns it. Of the distance at which bodies touch: an overlap that is none of a
  * thickness. */
@@ -92,6 +100,8 @@ static hk_status open_particles(contact *s, const hk_view *view) {
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   if (!s->moved || !s->touched) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_body_impacts_topology(&s->bodies);
+  /* Bodies that lie on each other fall together in the step before its impulses: their contacts do not close in it. */
+  s->base.cache.reach = view->model->riders > 0 ? slack * hk_contact_scale(&s->base.params) : 0;
   return hk_impulse_contact_topology(&s->base, view);
 }
 
@@ -150,21 +160,32 @@ static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_c
   return HK_OK;
 }
 
-static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
+/* The impacts of bodies as they are solved. */
+static hk_status prepare_bodies(contact *s, const hk_step_move *move, bool faces, hk_contact_solver *solver) {
+  const hk_surface_mesh *mesh = s->base.surfaces->mesh(s->base.surfaces->self);
+  hk_status status = HK_OK;
+  if (faces)
+    status = hk_face_contacts_reduce(&s->bodies, mesh, move, flat * hk_contact_scale(&s->base.params), solver,
+                                     s->base.candidates.chosen);
+  return status == HK_OK ? hk_surface_arms_find(&s->bodies, mesh, solver, move) : status;
+}
+
+static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move, bool faces) {
   double begin = hk_own_time();
   hk_contact_solver solver = {.friction = s->base.params.friction, .most = (size_t)s->base.sweeps};
   solver.moved = s->moved, solver.touched = s->touched, solver.now = s->now;
-  solver.tolerance = left_by_sweeps * hk_contact_scale(&s->base.params);
+  bool single = s->bodies.count == 0, first = !s->base.candidates.solved;
+  solver.tolerance = (single ? left_by_sweeps : left_by_bodies) * hk_contact_scale(&s->base.params);
   if (!c->changed) hk_impulse_contact_keep_free(&s->base, view, c);
   hk_status status = hk_contact_candidates_impacts(&s->base.candidates, move, HK_CANDIDATES_ALL, &solver);
   if (status != HK_OK) return status;
   hk_gauss_seidel_result done = {0};
-  bool single = s->bodies.count == 0, first = single && !s->base.candidates.solved;
   s->bodies.t = view->t;
-  if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
-  if (first) hk_warm_start_give(&s->known, &solver, move->h);
-  if (!single) status = hk_surface_arms_find(&s->bodies, s->base.surfaces->mesh(s->base.surfaces->self), &solver, move);
+  if (!single) status = prepare_bodies(s, move, faces, &solver);
   if (status != HK_OK) return status;
+  bool bounces = !single && s->base.restitution > 0; /* the last impulses are no guess of these */
+  if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
+  if (first && !bounces) hk_warm_start_give(&s->known, &solver, move->h);
   if (single)
     done = hk_gauss_seidel(&solver, move);
   else
@@ -260,7 +281,7 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   if (!c->reject) c->part = 0;
   for (int round = 0; round < ROUNDS && found->unsafe + found->unsolved > 0; round++) {
     if (status != HK_OK || c->reject) break;
-    status = solve(s, view, c, &move);
+    status = solve(s, view, c, &move, round < FACES);
     if (status == HK_OK) status = find_candidates(s, &move);
     bool returns = s->base.restitution > 0 && hk_contact_candidates_return(found, s->moved, began);
     c->reject = returns && !(c->last && s->bodies.count); /* a body rocks in ever shorter bounces: there they end */

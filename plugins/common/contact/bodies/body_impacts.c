@@ -8,13 +8,20 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { ALTERNATIONS = 60 /* of sweeps and `settle` */, BURST = 10 /* sweeps between Newton's iterations */ };
+enum {
+  ALTERNATIONS = 60 /* of sweeps and `settle` */,
+  BURST = 10 /* sweeps between Newton's iterations */,
+  NEWTONS = 3 /* that may fail */
+};
 
 /* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
 static const double held = 1e-12;
 
 /* Of the tolerance: what is left of places where moments hold what friction would roll, as every step adds to it. */
 static const double finer = 1e-3;
+
+/* Of the distance at which an impact's features touch: what it moves in a step at most, as of stacks at rest. */
+static const double resting = 0.01;
 
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
@@ -55,6 +62,7 @@ typedef struct sweeping {
   double tolerance;
   bool speeds; /* which level of the impacts */
   bool moved;  /* something was moved by more than the tolerance */
+  int failed;  /* Newton's iterations at this level */
 } sweeping;
 
 static hk_impact_level *level_of(const sweeping *w, hk_impact *k) { return w->speeds ? &k->speed : &k->place; }
@@ -95,19 +103,25 @@ static double turn(const sweeping *w, size_t e, const hk_body_response *r, doubl
   return most;
 }
 
+/* Whether something moves by the impact: pins and constraints may hold it. */
+static bool gives_way(const sweeping *w, const hk_impact *k) {
+  double free_mobility = 0;
+  for (int i = 0; i < 4; i++)
+    if (k->frame.w[i] != 0)
+      free_mobility += k->frame.w[i] * k->frame.w[i] * hk_free_mobility(w->bodies->model, k->pair.vertex[i]);
+  return k->mobility > held * free_mobility;
+}
+
 static hk_status relax(sweeping *w, size_t e) {
   hk_impact *k = &w->solver->impact[e];
   hk_impact_level *level = level_of(w, k);
   const hk_body_response *response;
-  double r[3], change[3] = {0, 0, 0}, free_mobility = 0;
+  double r[3], change[3] = {0, 0, 0};
   hk_body_relative(w->bodies, w->solver, e, level, w->y, r);
   if (level->push == 0 && !(level->target > hk_dot(r, k->frame.n))) return HK_OK;
   hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
   if (status != HK_OK) return status;
-  for (int i = 0; i < 4; i++)
-    if (k->frame.w[i] != 0)
-      free_mobility += k->frame.w[i] * k->frame.w[i] * hk_free_mobility(w->bodies->model, k->pair.vertex[i]);
-  if (!(k->mobility > held * free_mobility)) return HK_OK; /* pins and constraints hold it */
+  if (!gives_way(w, k)) return HK_OK;
   double mu = hk_body_friction(w->bodies, w->solver, e);
   hk_body_contact_solve(k, level, response->G, mu, r, change);
   double size = hk_length(change), turned = 0;
@@ -119,6 +133,27 @@ static hk_status relax(sweeping *w, size_t e) {
   if (!(fmax(turned, size * (response->G[0] + response->G[4] + response->G[8])) > w->tolerance)) return HK_OK;
   note(w, response, w->solver->moved);
   w->moved = true;
+  return HK_OK;
+}
+
+/* The impulses that the impacts are given with (impulses/warm_start.h). */
+static hk_status apply_given(const sweeping *w) {
+  const hk_body_response *response;
+  for (size_t e = 0; e < w->solver->count; e++) {
+    hk_impact *k = &w->solver->impact[e];
+    hk_impact_level *level = level_of(w, k);
+    double given[3];
+    if (!(level->push > 0)) continue;
+    hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
+    if (status != HK_OK) return status;
+    if (!w->bodies->takes_part[e] || !gives_way(w, k))
+      level->push = level->slide[0] = level->slide[1] = level->slide[2] = 0;
+    for (int c = 0; c < 3; c++) given[c] = level->push * k->frame.n[c] + level->slide[c];
+    apply(w, response, given);
+    ++w->solver->now;
+    note(w, response, w->solver->touched);
+    note(w, response, w->solver->moved);
+  }
   return HK_OK;
 }
 
@@ -134,6 +169,18 @@ static hk_status sweep(sweeping *w) {
     status = relax(w, e);
   }
   return status;
+}
+
+/* Whether all impacts are of what lies still, or nearly so. */
+static bool all_rest(const sweeping *w) {
+  for (size_t e = 0; e < w->bodies->contacts; e++)
+    if (w->solver->impact[e].motion * w->move->h > resting * w->solver->impact[e].pair.offset) return false;
+  return true;
+}
+
+static hk_status newton(const sweeping *w, bool *solved) {
+  const hk_body_newton_task task = {w->speeds, all_rest(w), w->tolerance / 2, w->y};
+  return hk_body_newton(w->bodies, w->solver, &task, solved);
 }
 
 static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
@@ -152,7 +199,8 @@ static hk_status sweep_all(sweeping *w, size_t *sweeps) {
     status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
     bool solved = false;
     if (status != HK_OK || !w->moved) return status;
-    status = hk_body_newton(w->bodies, w->solver, w->speeds, w->tolerance / 2, w->y, &solved);
+    if (w->failed < NEWTONS) status = newton(w, &solved);
+    w->failed += !solved;
     for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
   } while (status == HK_OK && *sweeps < w->solver->most);
   return status;
@@ -236,7 +284,8 @@ static hk_status solve_speeds(hk_body_impacts *s, sweeping *w, hk_step_move *m) 
     status = linearise(s, m);
     if (status != HK_OK) return status;
     begin_level(s, w->solver, m->x, true);
-    status = sweep_all(w, &sweeps);
+    if (round == 0) status = apply_given(w);
+    if (status == HK_OK) status = sweep_all(w, &sweeps);
     if (status == HK_OK) status = settle(s, m);
     if (status != HK_OK || !some_fall_short(w)) break;
     for (size_t e = 0; e < w->solver->count; e++) w->solver->impact[e].speed.solved = 0;
@@ -278,7 +327,7 @@ static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
 hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_step_move *m,
                                hk_gauss_seidel_result *done) {
   hk_contact_solver solver = *given;
-  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false};
+  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false, 0};
   *done = (hk_gauss_seidel_result){0};
   hk_status status = linearise(s, m);
   if (status == HK_OK) status = make_room(s, given);
@@ -288,10 +337,11 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   begin_level(s, &solver, m->x, false);
   memcpy(s->start, m->x, 3 * s->n * sizeof *m->x);
   memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
-  status = sweep_all(&w, &done->sweeps);
+  status = apply_given(&w);
+  if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) turn_speeds(s, m);
   if (status == HK_OK) status = settle(s, m);
-  w.speeds = true, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
+  w.speeds = true, w.failed = 0, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
   if (status == HK_OK) status = solve_energy(s, &w, m);
   given->now = solver.now;
   if (status == HK_OK && given->count) memcpy(given->impact, s->row, given->count * sizeof *s->row);

@@ -7,13 +7,14 @@
  * equations, whose solution it leaves as it is. */
 #include "plugins/common/contact/bodies/body_newton.h"
 #include "plugins/common/contact/bodies/body_contact_law.h"
+#include "plugins/common/contact/bodies/cone_program.h"
 #include "plugins/common/contact/bodies/impact_response.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { ROUNDS = 60, MOST = 400 /* unknowns */, SEARCHES = 12 };
+enum { ROUNDS = 12, MOST = 400 /* unknowns */, SEARCHES = 12 };
 
-static const double damping = 1e-9;
+static const double damping = 1e-7;
 
 typedef struct newton {
   hk_body_impacts *bodies;
@@ -158,35 +159,6 @@ static double set_rows(const newton *w, size_t k) {
   return fmax(left, sqrt(w->rhs[i + 1] * w->rhs[i + 1] + w->rhs[i + 2] * w->rhs[i + 2]));
 }
 
-/* A rhs = rhs by elimination with pivots of columns; false: A is singular. */
-static bool eliminate(double *A, double *rhs, size_t n) {
-  for (size_t j = 0; j < n; j++) {
-    size_t best = j;
-    for (size_t r = j + 1; r < n; r++)
-      if (fabs(A[r * n + j]) > fabs(A[best * n + j])) best = r;
-    if (!(fabs(A[best * n + j]) > 0)) return false;
-    for (size_t c = j; c < n && best != j; c++) {
-      double kept = A[j * n + c];
-      A[j * n + c] = A[best * n + c];
-      A[best * n + c] = kept;
-    }
-    double kept = rhs[j];
-    rhs[j] = rhs[best];
-    rhs[best] = kept;
-    for (size_t r = j + 1; r < n; r++) {
-      double part = A[r * n + j] / A[j * n + j];
-      if (part == 0) continue;
-      for (size_t c = j + 1; c < n; c++) A[r * n + c] -= part * A[j * n + c];
-      rhs[r] -= part * rhs[j];
-    }
-  }
-  for (size_t j = n; j-- > 0;) {
-    for (size_t c = j + 1; c < n; c++) rhs[j] -= A[j * n + c] * rhs[c];
-    rhs[j] /= A[j * n + j];
-  }
-  return true;
-}
-
 /* Sets the rows at z and returns the sum of the squares of what is left; *most: the largest. */
 static double evaluate(const newton *w, double *most) {
   double sum = 0;
@@ -217,10 +189,23 @@ static bool iterate(const newton *w, double tolerance) {
   double most, left = evaluate(w, &most);
   for (int round = 0; round < ROUNDS; round++) {
     if (most <= tolerance) return true;
-    if (!isfinite(left) || !eliminate(w->A, w->rhs, w->size)) return false;
+    if (!isfinite(left) || !hk_eliminate(w->A, w->rhs, w->size)) return false;
     if (!search(w, &left, &most)) return false;
   }
   return false;
+}
+
+/* Begins again from the optimum of the convex programs. */
+static bool iterate_from_cones(const newton *w, double tolerance, double *room) {
+  double *mu = room, *u_0 = room + w->count;
+  for (size_t k = 0; k < w->count; k++) mu[k] = friction_of(w, k);
+  for (size_t i = 0; i < w->size; i++) {
+    u_0[i] = w->u_0[i];
+    for (size_t j = 0; j < w->size; j++) u_0[i] -= w->D[i * w->size + j] * w->z_0[j];
+  }
+  memcpy(w->z, w->z_0, w->size * sizeof *w->z);
+  hk_cone_program program = {w->size, w->count, w->first, mu, w->D, u_0, w->z, w->A, u_0 + w->size};
+  return hk_cone_program_solve(&program) && iterate(w, tolerance);
 }
 
 /* ---- all ---- */
@@ -246,9 +231,8 @@ static void take_over(const newton *w, double *y) {
   }
 }
 
-hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, bool speeds, double tolerance, double *y,
-                         bool *solved) {
-  newton w = {s, solver, speeds, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, const hk_body_newton_task *task, bool *solved) {
+  newton w = {s, solver, task->speeds, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
   *solved = false;
   hk_status status = hk_reserve(s->host, &s->unknown, &s->unknown_room, 2 * solver->count, sizeof *s->unknown);
   if (status != HK_OK) return status;
@@ -256,16 +240,18 @@ hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, bool spe
   w.first = s->unknown + solver->count;
   choose(&w);
   if (w.size == 0 || w.size > MOST) return HK_OK;
-  status = hk_reserve(s->host, &s->matrix, &s->matrix_room, 2 * w.size * w.size + 9 * w.size, sizeof *s->matrix);
+  status = hk_reserve(s->host, &s->matrix, &s->matrix_room, 2 * w.size * w.size + 17 * w.size + 2 * w.count,
+                      sizeof *s->matrix);
   if (status != HK_OK) return status;
   w.D = s->matrix;
   w.A = w.D + w.size * w.size;
   w.z = w.A + w.size * w.size;
   w.z_0 = w.z + w.size, w.u_0 = w.z_0 + w.size, w.u = w.u_0 + w.size, w.rhs = w.u + w.size, w.step = w.rhs + w.size,
   w.axis = w.step + w.size;
-  set_axes(&w, y);
+  set_axes(&w, task->y);
   for (size_t k = 0; k < w.count; k++) find_columns(&w, k);
-  *solved = iterate(&w, tolerance);
-  if (*solved) take_over(&w, y);
+  *solved = iterate(&w, task->tolerance);
+  if (!*solved && task->rest) *solved = iterate_from_cones(&w, task->tolerance, w.axis + 3 * w.size);
+  if (*solved) take_over(&w, task->y);
   return HK_OK;
 }

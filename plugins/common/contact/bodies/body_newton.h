@@ -4,9 +4,15 @@
 
 #include "plugins/common/contact/bodies/body_system.h"
 
-/* Solves all impacts of a level together that take part and have been met: `speeds`: their velocities, y = v; else y =
- * x. *solved: to the tolerance (m or m/s); else nothing was changed. */
-hk_status hk_body_newton(hk_body_impacts *, hk_contact_solver *, bool speeds, double tolerance, double *y,
-                         bool *solved);
+typedef struct hk_body_newton_task {
+  bool speeds;      /* of velocities, y = v; else y = x */
+  bool rest;        /* what lies still: where the iteration stops, convex programs (cone_program.h) begin it again */
+  double tolerance; /* m or m/s */
+  double *y;        /* n x 3 */
+} hk_body_newton_task;
+
+/* Solves all impacts of a level together that take part and have been met. *solved: to the tolerance; else nothing was
+ * changed. */
+hk_status hk_body_newton(hk_body_impacts *, hk_contact_solver *, const hk_body_newton_task *, bool *solved);
 
 #endif

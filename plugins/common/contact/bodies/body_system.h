@@ -46,6 +46,8 @@ typedef struct hk_body_impacts {
   double *matrix;     /* for Newton's iteration */
   size_t matrix_room;
   size_t *unknown, unknown_room;
+  struct hk_face_contact *face; /* face_contacts.c */
+  size_t *chain, face_room, chain_room;
 } hk_body_impacts;
 
 /* 1/kg: what the mobility of the particle would be if no equation held it, or what carries it. */

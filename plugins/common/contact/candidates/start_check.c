@@ -1,6 +1,7 @@
 #include "plugins/common/contact/candidates/start_check.h"
 
 #include "plugins/kit/vector3.h"
+#include "plugins/common/contact/candidates/enclosure.h"
 #include "plugins/common/contact/candidates/feature_pairs.h"
 
 #include <stdlib.h>
@@ -153,12 +154,27 @@ static hk_status too_thick(const hk_view *view, const hk_surface_lists *l, const
       request->radius, pair.one, pair.other, t->distance, request->radius * t->part);
 }
 
+/* ---- solids ---- */
+
+static hk_status check_solids(const hk_surface_lists *l, const hk_host *host, const hk_view *view) {
+  const uint32_t *id = view->model->id;
+  hk_enclosure e;
+  hk_status status = hk_enclosure_find(l, host, view->model, view->x, &e);
+  if (status != HK_OK || !e.found) return status;
+  return view->host->fail(view->host, HK_BAD_PARAM,
+                          "particle %u and all that it is connected with start inside of something solid, by up to "
+                          "%.3g m (particle %u is of its surface): contact would never let it out; start it outside, "
+                          "name one of the two in `leave`, or turn the faces of what is hollow inwards",
+                          id[e.particle], e.depth, id[e.solid]);
+}
+
 hk_status hk_start_check(hk_broad_phase *s, const hk_host *host, const hk_view *view, const hk_surface_request *request,
                          hk_gather *pairs) {
   tightest least = {.part = INFINITY};
   hk_surface_move none = {.x_from = view->x, .x_to = view->x};
   hk_status status = check_areas(&s->lists->mesh, view);
   if (status == HK_OK) status = check_crowds(&s->lists->mesh, view);
+  if (status == HK_OK) status = check_solids(s->lists, host, view);
   if (status == HK_OK) status = hk_feature_pairs_find(s, host, &none, pairs);
   if (status != HK_OK) return status;
   const hk_feature_pair *pair = pairs->record;

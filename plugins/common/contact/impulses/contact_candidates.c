@@ -36,7 +36,7 @@ static void examine_chunk(void *context, size_t begin, size_t end, size_t chunk)
       w->s->result[d] = *known;
       continue;
     }
-    w->s->result[d] = hk_narrow_phase_of(pair, w->move, w->s->slack);
+    w->s->result[d] = hk_narrow_phase_of(pair, w->move, w->s->slack, cache->reach);
     if (w->s->result[d].gap_from > 0) hk_pair_cache_set_gap(cache, cache->index[d], w->s->result[d].gap_from);
   }
 }
@@ -199,9 +199,10 @@ hk_status hk_contact_candidates_impacts(hk_contact_candidates *s, const hk_step_
 }
 
 void hk_contact_candidates_remember(hk_contact_candidates *s, const hk_contact_solver *solved) {
-  for (size_t e = 0; e < solved->count; e++) {
+  for (size_t e = 0; e < s->chosen_count; e++) {
     uint32_t k = s->cache->index[s->chosen[e]];
-    if (!(solved->impact[e].place.push > 0) || s->pushed_before[k]) continue;
+    bool pushes = e >= solved->count || solved->impact[e].place.push > 0;
+    if (!pushes || s->pushed_before[k]) continue;
     s->pushed_before[k] = true;
     s->pushed[s->pushes++] = s->cache->pair[k];
   }

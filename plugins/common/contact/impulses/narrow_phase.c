@@ -52,11 +52,11 @@ static void examine_fast(const hk_feature_pair *pair, const hk_pair_path *path, 
   if (there.on_the_way || there.state == HK_PAIR_UNSAFE) *p = there;
 }
 
-static hk_pair_state state_of(const hk_narrow_phase *p, double slack, double motion, bool is_fast) {
+static hk_pair_state state_of(const hk_narrow_phase *p, double slack, double far, bool is_fast) {
   if (p->state == HK_PAIR_UNSAFE) return HK_PAIR_UNSAFE;
   if (p->gap_to < fmin(0, p->gap_from) / 2 - slack) return HK_PAIR_OVERLAPS;
   if (p->gap_to < 0 || p->on_the_way) return HK_PAIR_CLOSES;
-  return is_fast || p->gap_to > motion ? HK_PAIR_APART : HK_PAIR_MAY_CLOSE;
+  return is_fast || p->gap_to > far ? HK_PAIR_APART : HK_PAIR_MAY_CLOSE;
 }
 
 /* It is closed at the end, and that by more than a slow pair moves, or would be after a further step with the speed of
@@ -68,18 +68,18 @@ static bool goes_in(const hk_feature_pair *pair, const hk_pair_path *path, const
   return gap < 0 && gap + fmin(0, move->h * distance_along(f, v)) < -fast * pair->offset;
 }
 
-hk_narrow_phase hk_narrow_phase_of(const hk_feature_pair *pair, const hk_step_move *move, double slack) {
+hk_narrow_phase hk_narrow_phase_of(const hk_feature_pair *pair, const hk_step_move *move, double slack, double reach) {
   hk_pair_path path;
   hk_pair_path_of(&path, pair, move->x_from, move->x);
   double from = sqrt(hk_nearest_of_pair(pair->kind, path.from).squared), motion = hk_pair_motion(pair->kind, &path);
   hk_narrow_phase p = {.gap_from = from - pair->offset, .gap_to = INFINITY};
-  if (p.gap_from > motion) return p;
+  if (p.gap_from > motion + reach) return p;
   hk_nearest end = hk_nearest_of_pair(pair->kind, path.to);
   bool is_fast = motion > fast * from;
   p.gap_to = sqrt(end.squared) - pair->offset;
   if (end.squared > 0) p.frame = hk_pair_frame_of(&end);
   if (is_fast) examine_fast(pair, &path, from, motion, &p);
-  p.state = state_of(&p, slack, motion, is_fast);
+  p.state = state_of(&p, slack, motion + reach, is_fast);
   p.enters = p.state == HK_PAIR_UNSAFE || goes_in(pair, &path, move, &p.frame);
   return p;
 }

@@ -28,8 +28,9 @@ typedef struct hk_narrow_phase {
   bool enters;     /* its features go into each other by more than a slow pair moves */
 } hk_narrow_phase;
 
-/* slack: m, an overlap at the end that is accepted. */
-hk_narrow_phase hk_narrow_phase_of(const hk_feature_pair *, const hk_step_move *, double slack);
+/* slack: m, an overlap at the end that is accepted; reach: m, slow pairs with a gap of at most that, and of what they
+ * move, may close. */
+hk_narrow_phase hk_narrow_phase_of(const hk_feature_pair *, const hk_step_move *, double slack, double reach);
 
 /* m: a move that brings a pair nearer is not safe: a tenth of its thickness, or half of its distance at the start. Half
  * leaves the next steps as much; above, rounding is far away and the normal of a pair well known. */

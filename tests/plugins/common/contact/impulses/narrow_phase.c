@@ -23,7 +23,7 @@ static hk_narrow_phase passed(double before, double after, double fall) {
   v[0] = (to[0] - from[0]) / 1e-3, v[2] = 2 * (to[2] - from[2]) / 1e-3;
   hk_step_move move = {1e-3, from, nothing, to, v, nothing};
   hk_feature_pair pair = {{0, 0, 1, 2}, HK_EDGE_EDGE, thickness, 0};
-  return hk_narrow_phase_of(&pair, &move, 0.01 * thickness);
+  return hk_narrow_phase_of(&pair, &move, 0.01 * thickness, 0);
 }
 
 static void what_slides_over_an_edge_does_not_collide_with_it(void **state) {
