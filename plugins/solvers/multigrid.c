@@ -12,7 +12,7 @@
  *
  * On the matrix of an implicit step of a cloth, k = 1e5 N/m, h = 1/60 s, residual 1e-6, one thread of a busy Sapphire
  * Rapids (tests/bench/multigrid.c): 64, 128, 256 and 512 squared take 11, 13, 17 and 16 iterations, 0.05, 0.2, 0.9
- * and 4.6 s with set-up, 0.54 GB at 512; pcg 108 at 64 and 582 at 256 to 1e-3. `supernodal` factorizes 256 in 0.8 s and
+ * and 4.5 s with set-up, 0.47 GB at 512; pcg 108 at 64 and 582 at 256 to 1e-3. `supernodal` factorizes 256 in 0.8 s and
  * solves in 0.1, so this pays beyond. */
 #include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/multigrid/hierarchy.h"

@@ -7,6 +7,8 @@
 #include "plugins/common/supernodal/dense_front.h"
 #include "plugins/common/supernodal/supernodes.h"
 
+#include <stdatomic.h>
+
 /* Zeroed before `open`. */
 typedef struct hk_supernodal {
   const hk_host *host;
@@ -14,13 +16,15 @@ typedef struct hk_supernodal {
   cholmod_common common;
   bool started, ready; /* ready: there is a factor */
   hk_supernodes nodes;
-  void *L, *inverse; /* panels; reciprocals of the diagonal */
-  void *update;      /* sums that supernodes pass on */
-  void *vector;      /* a right-hand side in the order of the factor, for every branch */
-  void *front;       /* a front's part of it, for every branch */
-  void *work;        /* of fronts, for every branch ... */
-  size_t *work_at;   /* branches: ... where its own begins */
-  size_t *bad;       /* branches: the row whose pivot was not positive, or SIZE_MAX */
+  void *L, *inverse;  /* panels; reciprocals of the diagonal */
+  void *update;       /* sums that supernodes pass on */
+  void *vector;       /* a right-hand side in the order of the factor, for every branch */
+  void *front;        /* a front's part of it, for every branch */
+  void *work;         /* of fronts, for every branch ... */
+  size_t *work_at;    /* branches: ... where its own begins */
+  size_t *bad;        /* branches: the row whose pivot was not positive, or SIZE_MAX */
+  size_t *turn;       /* branches: the order in which they are factorized; the top is the last */
+  atomic_size_t stop; /* the first turn at which a pivot was not positive; those after it need no factors */
   size_t stride, front_stride;
   const double *value;    /* of the matrix that is being factorized */
   hk_triangular *columns; /* L for several right-hand sides; NULL until there are some */

@@ -1,5 +1,5 @@
 /* The V-cycle is a symmetric positive definite operator, as conjugate gradients take it to be; coarse matrices are
- * P^T A P; fixed rows are reached by no other; aggregates are whole. */
+ * P^T A P, made without all of A P at once; fixed rows are reached by no other; aggregates are whole. */
 #include "plugins/common/multigrid/hierarchy.h"
 #include "plugins/common/linear/block_product.h"
 #include "tests/bench/cloth_matrix.h"
@@ -95,6 +95,47 @@ static void coarse_matrices_are_those_of_galerkin(void **state) {
   close_fixture(&f);
 }
 
+static size_t allocated; /* bytes */
+static void *(*allocate)(const hk_host *, size_t);
+
+static void *count_allocation(const hk_host *host, size_t bytes) {
+  allocated += bytes;
+  return allocate(host, bytes);
+}
+
+/* Blocks of A P. */
+static size_t blocks_of_product(const hk_matrix *A, const hk_transfer *P) {
+  static size_t seen[ROWS];
+  size_t count = 0;
+  memset(seen, 0, sizeof seen);
+  for (size_t r = 0; r < A->rows; r++)
+    for (size_t e = A->row_start[r]; e < A->row_start[r + 1]; e++)
+      for (size_t f = P->start[A->column[e]]; f < P->start[A->column[e] + 1]; f++) {
+        count += seen[P->column[f]] != r + 1;
+        seen[P->column[f]] = r + 1;
+      }
+  return count;
+}
+
+/* Beside the coarse matrix: the pattern of A P, two lists of columns and a strip of its numbers, 1024 of 2500 rows. */
+static void a_product_is_never_held_as_a_whole(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f);
+  hk_matrix coarse;
+  hk_host *host = &f.s.solver->host;
+  allocate = host->allocate;
+  host->allocate = count_allocation;
+  allocated = 0;
+  assert_int_equal(hk_transfer_galerkin(&f.h.level[0].P, host, &f.cloth.A, &coarse), HK_OK);
+  host->allocate = allocate;
+  size_t numbers = 9 * sizeof(double), own = (numbers + 4) * coarse.row_start[coarse.rows] + 8 * coarse.rows;
+  size_t product = blocks_of_product(&f.cloth.A, &f.h.level[0].P), lists = 4 * product + 8 * ROWS + 16 * coarse.rows;
+  assert_true(allocated - own - lists < numbers * product / 2);
+  hk_coarse_free(&coarse, host);
+  close_fixture(&f);
+}
+
 static void aggregates_have_every_joined_row_once(void **state) {
   (void)state;
   static uint32_t aggregate[ROWS];
@@ -116,6 +157,7 @@ int main(void) {
       cmocka_unit_test(the_cycle_is_symmetric_and_positive_definite),
       cmocka_unit_test(fixed_rows_are_reached_by_no_other),
       cmocka_unit_test(coarse_matrices_are_those_of_galerkin),
+      cmocka_unit_test(a_product_is_never_held_as_a_whole),
       cmocka_unit_test(aggregates_have_every_joined_row_once),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

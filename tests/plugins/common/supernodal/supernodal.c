@@ -1,5 +1,5 @@
 /* Factors in doubles and floats of one grid, by every path: what they solve, whether paths give the same bits, and
- * branches that cover the tree. */
+ * branches that cover the tree, and that a matrix that is not definite costs no more branches than it has to. */
 #include "core/engine/base/base.h"
 #include "plugins/common/cholesky/block_order.h"
 #include "plugins/common/supernodal/supernodal.h"
@@ -111,10 +111,56 @@ static void branches_cover_the_tree(void **state) {
   fake_system_destroy(f);
 }
 
+enum { UNTOUCHED = 12345 };
+
+/* Branches that are factorized when the diagonal of `row` is negative, which the message names. */
+static size_t branches_until(hk_supernodal *s, size_t row) {
+  size_t tried = 0, at = row_start[row];
+  while (column[at] != row) at++;
+  double good = value[9 * at];
+  value[9 * at] = -1;
+  for (size_t k = 0; k < s->nodes.branches; k++) s->bad[k] = UNTOUCHED;
+  assert_int_equal(hk_supernodal_factorize(s, &A), HK_NOT_CONVERGED);
+  for (size_t k = 0; k < s->nodes.branches; k++) tried += s->bad[k] != UNTOUCHED;
+  value[9 * at] = good;
+  return tried;
+}
+
+/* The grid's row of which the branch has the first column. */
+static size_t row_of(const hk_supernodal *s, size_t branch) {
+  return s->nodes.order[s->nodes.node[s->nodes.branch[branch].begin].first];
+}
+
+/* The branch that was bad last is tried first: one branch is enough where it is bad again, also after a matrix that was
+ * definite. The factor of a definite matrix has the same bits in every order of the branches. */
+static void what_was_not_definite_is_tried_first(void **state) {
+  (void)state;
+  fake_system *f = fake_system_create(&(fake_problem){.n = 1});
+  static double x[2][UNKNOWNS];
+  hk_supernodal s = {0};
+  make_grid();
+  assert_int_equal(hk_supernodal_open(&s, &f->host, false), HK_OK);
+  assert_int_equal(hk_supernodal_analyze(&s, &A, HK_ORDER_BEST), HK_OK);
+  size_t branches = s.nodes.branches - 1;
+  assert_true(branches > 2);
+  for (int k = 0; k < 2; k++) {
+    assert_int_equal(hk_supernodal_factorize(&s, &A), HK_OK);
+    hk_supernodal_solve(&s, b, x[k]);
+    assert_int_equal(branches_until(&s, row_of(&s, branches - 1)), k == 0 ? branches : 1);
+    assert_int_equal(branches_until(&s, row_of(&s, branches - 1)), 1);
+    assert_int_equal(branches_until(&s, row_of(&s, 0)), 2);
+    assert_int_equal(branches_until(&s, row_of(&s, branches - 1)), 2);
+  }
+  assert_memory_equal(x[0], x[1], sizeof x[0]);
+  hk_supernodal_close(&s);
+  fake_system_destroy(f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_path_solves),
       cmocka_unit_test(branches_cover_the_tree),
+      cmocka_unit_test(what_was_not_definite_is_tried_first),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
