@@ -84,6 +84,8 @@ void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, 
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
+/* Particles that are beyond walls by more than rounding. */
+size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);
 

@@ -5,7 +5,8 @@
 
 enum { GRAIN = 2048 };
 
-static const double margin = 1e-3; /* of a cell: particles are no nearer to the box */
+static const double margin = 1e-3;        /* of a cell: particles are no nearer to the box */
+static const double hardly_beyond = 1e-6; /* of a cell: rounding of a wall's place */
 
 typedef struct task {
   hk_liquid *l;
@@ -111,17 +112,28 @@ void hk_liquid_move(hk_liquid *l, const hk_liquid_particles *p, double h) {
   l->host->parallel_for(l->host, p->count, GRAIN, move_piece, &t);
 }
 
-double hk_liquid_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
+/* m, how far particle i at x is beyond a wall; 0 or less: it is not. */
+static double beyond_wall(const hk_liquid *l, size_t i, const double x[3]) {
   const hk_liquid_grid *g = &l->grid;
-  double most = 0;
-  for (size_t k = 0; k < p->count; k++) {
-    size_t i = p->index[k];
-    const double *x = p->x + 3 * i;
-    for (int c = 0; c < 3; c++) most = fmax(most, fmax(g->low[c] - x[c], x[c] - g->high[c]));
-    for (size_t o = 0; l->obstacles && o < l->obstacles->count; o++) {
-      double n[3];
-      most = fmax(most, -hk_obstacle_gap(l->obstacles->member[o], &l->obstacles->member[o]->motion.end, x, i, n));
-    }
+  double most = -INFINITY;
+  for (int c = 0; c < 3; c++) most = fmax(most, fmax(g->low[c] - x[c], x[c] - g->high[c]));
+  for (size_t o = 0; l->obstacles && o < l->obstacles->count; o++) {
+    double n[3];
+    most = fmax(most, -hk_obstacle_gap(l->obstacles->member[o], &l->obstacles->member[o]->motion.end, x, i, n));
   }
   return most;
+}
+
+double hk_liquid_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
+  double most = 0;
+  for (size_t k = 0; k < p->count; k++) most = fmax(most, beyond_wall(l, p->index[k], p->x + 3 * (size_t)p->index[k]));
+  return most;
+}
+
+size_t hk_liquid_count_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
+  double least = 0;
+  size_t count = 0;
+  for (int c = 0; c < 3; c++) least = fmax(least, hardly_beyond * l->grid.spacing[c]);
+  for (size_t k = 0; k < p->count; k++) count += beyond_wall(l, p->index[k], p->x + 3 * (size_t)p->index[k]) > least;
+  return count;
 }
