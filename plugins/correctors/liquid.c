@@ -1,21 +1,22 @@
 /* A liquid of particles that neither gains nor loses volume, in a box and between obstacles: after each step the
  * velocities that its forces have given to the particles go to a grid, pressure takes away their divergence there, and
  * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
- * all channels stay on the particles. The box's faces are walls without friction; obstacles of the scene are walls that
- * cover parts of faces, at rest or moving.
+ * all channels stay on the particles. The box's faces are walls; obstacles of the scene are walls that cover
+ * parts of faces, at rest or moving. Without a viscosity they have no friction.
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
- * the liquid, and the liquid does not move them, nor anything else; there is no viscosity and no surface tension; walls
+ * the liquid, and the liquid does not move them, nor anything else; there is no surface tension; walls
  * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
  * the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
+#include "plugins/common/liquid/viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
 
 typedef struct liquid {
-  double low[3], high[3], cell, density, flip, courant, tolerance, memory;
-  int transfer;
+  double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity;
+  int transfer, walls;
   bool even;
   hk_tuples particles;
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
@@ -32,8 +33,12 @@ typedef struct liquid {
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
+  hk_viscosity viscous;
+  hk_array second; /* m^2/s, as `guess`, of the projection after viscosity */
   const hk_host *host;
 } liquid;
+
+enum { NO_SLIP, FREE_SLIP };
 
 static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
@@ -54,6 +59,10 @@ static const hk_param params[] = {
      "how velocities come back: with their gradients (Jiang 2015); as changes (Zhu and Bridson 2005); "
      "plainly, which is the most viscous",
      .choice = HK_AT(liquid, transfer), .choices = HK_LIQUID_TRANSFERS},
+    {"viscosity", "Pa s", "of the liquid: water 0.001, oil 0.1, honey 10", .number = HK_AT(liquid, viscosity),
+     .limits = HK_AT_LEAST(0)},
+    {"walls", "", "with a viscosity, whether walls and obstacles hold the liquid back", .choice = HK_AT(liquid, walls),
+     .choices = "no_slip|free_slip"},
     {"flip", "", "with transfer = \"flip\": part of a particle's own velocity that is kept",
      .number = HK_AT(liquid, flip), .initial = {0.97}, .limits = HK_WITHIN(0, 1)},
     {"even", "", "whether places that are denser or thinner than the liquid are evened, which keeps its volume",
@@ -71,6 +80,7 @@ static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
+    {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
     {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
     {"off", .number = HK_AT(liquid, off)},
@@ -189,10 +199,12 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
+  s->viscous = (hk_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
   double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
+  if (status == HK_OK && s->viscosity > 0) status = host->resize(host, &s->second, m->grid.size);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
@@ -207,7 +219,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void destroy(void *self, const hk_host *host) {
   liquid *s = self;
   (void)host;
-  if (s->host) hk_liquid_close(&s->method);
+  if (!s->host) return;
+  hk_viscosity_close(&s->viscous, s->host);
+  hk_liquid_close(&s->method);
 }
 
 static hk_liquid_particles particles_at(const liquid *s, const hk_view *view) {
@@ -290,6 +304,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
   hk_status status = hk_liquid_project(m, s->guess.item);
+  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_shear(m, &s->viscous, c->h);
+  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
@@ -343,7 +359,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .summary = "keeps particles an incompressible liquid with a free surface, by pressure on a grid: div u = 0",
     .reference =
         "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
-        "simulation for computer graphics, chapters 5 to 7; Kugelstadt et al. 2019, Implicit density projection",
+        "simulation for computer graphics, chapters 5 to 7; Batty and Bridson 2008, Accurate viscous free surfaces; "
+        "Kugelstadt et al. 2019, Implicit density projection",
     .instance_size = sizeof(liquid),
     .params = params,
     .fields = fields,
