@@ -5,17 +5,18 @@
  * parts of faces, at rest or moving. Without a viscosity they have no friction.
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
- * the liquid, and the liquid does not move them, nor anything else; there is no surface tension; walls
+ * the liquid, and the liquid does not move them, nor anything else; walls
  * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
  * the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
+#include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
 
 typedef struct liquid {
-  double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity;
+  double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity, tension;
   int transfer, walls;
   bool even;
   hk_tuples particles;
@@ -34,6 +35,7 @@ typedef struct liquid {
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
   hk_viscosity viscous;
+  hk_tension surface;
   hk_array second; /* m^2/s, as `guess`, of the projection after viscosity */
   const hk_host *host;
 } liquid;
@@ -61,6 +63,8 @@ static const hk_param params[] = {
      .choice = HK_AT(liquid, transfer), .choices = HK_LIQUID_TRANSFERS},
     {"viscosity", "Pa s", "of the liquid: water 0.001, oil 0.1, honey 10", .number = HK_AT(liquid, viscosity),
      .limits = HK_AT_LEAST(0)},
+    {"tension", "N/m", "of its surface: water 0.072; bends of less than two cells are not seen",
+     .number = HK_AT(liquid, tension), .limits = HK_AT_LEAST(0)},
     {"walls", "", "with a viscosity, whether walls and obstacles hold the liquid back", .choice = HK_AT(liquid, walls),
      .choices = "no_slip|free_slip"},
     {"flip", "", "with transfer = \"flip\": part of a particle's own velocity that is kept",
@@ -199,6 +203,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
+  s->surface = (hk_tension){.tension = s->tension};
   s->viscous = (hk_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
   double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
@@ -221,6 +226,7 @@ static void destroy(void *self, const hk_host *host) {
   (void)host;
   if (!s->host) return;
   hk_viscosity_close(&s->viscous, s->host);
+  hk_tension_close(&s->surface, s->host);
   hk_liquid_close(&s->method);
 }
 
@@ -303,7 +309,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
-  hk_status status = hk_liquid_project(m, s->guess.item);
+  hk_status status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
+  if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
   if (status == HK_OK && s->viscosity > 0) status = hk_liquid_shear(m, &s->viscous, c->h);
   if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
@@ -324,7 +331,7 @@ static double longest_step(void *self, const hk_view *view, const double *a) {
   liquid *s = self;
   const hk_liquid_particles p = particles_at(s, view);
   if (a) hk_liquid_pull(&s->pace, &p, a);
-  return hk_liquid_longest_step(&s->method, &s->pace, &p, s->courant, 0);
+  return hk_liquid_longest_step(&s->method, &s->pace, &p, s->courant, s->tension);
 }
 
 static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
@@ -360,7 +367,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .reference =
         "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
         "simulation for computer graphics, chapters 5 to 7; Batty and Bridson 2008, Accurate viscous free surfaces; "
-        "Kugelstadt et al. 2019, Implicit density projection",
+        "Kang, Fedkiw, Liu 2000, A boundary condition capturing method; Kugelstadt et al. 2019, Implicit density "
+        "projection",
     .instance_size = sizeof(liquid),
     .params = params,
     .fields = fields,
