@@ -73,6 +73,9 @@ local function print_steps(e)
     s.w_max > 0 and 2 * math.pi / s.w_max or math.huge))
   print(("  damping rates up to %.4g 1/s; of every mode at least %.3g + %.3g w^2"):format(s.g_max, s.alpha, s.beta))
   if s.b_max > 0 then print(("  velocities turn at up to %.4g 1/s"):format(s.b_max)) end
+  if e.longest_step < math.huge then
+    print(("  steps are divided into ones of at most %.4g s at the start, as forces or correctors demand"):format(e.longest_step))
+  end
   if s.channel_rate > 0 then print(("  channels decay at   %.4g 1/s"):format(s.channel_rate)) end
   print("\nlargest stable step")
   local function rank(step) return step.limit == step.limit and step.limit or -1 end -- not known (NaN): last

@@ -32,6 +32,16 @@ typedef struct hk_correction {
                 happens is to be left; since minor 2 */
 } hk_correction;
 
+/* A number that a corrector measured in the run so far, for the summary and the verdict. */
+typedef struct hk_own_figure {
+  const char *name; /* one word, constant */
+  const char *unit; /* constant; "": none */
+  double value;     /* NAN: not known */
+  double limit;     /* a run whose figure is larger in size is not ok; INFINITY: none */
+} hk_own_figure;
+
+enum { HK_OWN_FIGURES = 8 }; /* of one corrector, at most */
+
 typedef struct hk_corrector {
   size_t size;
   unsigned flags;
@@ -43,6 +53,12 @@ typedef struct hk_corrector {
   /* For contact of any kind: adds the places where something touches at `view`, for pictures, at frames; it changes
    * nothing. NULL: nothing ever does. */
   void (*contact_points)(const void *self, const hk_view *view, const hk_contact_points *points);
+  /* s, above 0: the longest next step from the state `view`; asked before every step. a: n x 3, m/s^2, what the forces
+   * give there before the first step; NULL later. NULL: no bound; since minor 3. */
+  double (*longest_step)(void *self, const hk_view *view, const double *a);
+  /* Fills figures of the run so far, at most HK_OWN_FIGURES, and returns how many; it changes nothing. NULL: none;
+   * since minor 3. */
+  size_t (*figures)(void *self, const hk_view *view, hk_own_figure *figure);
 } hk_corrector;
 
 #endif

@@ -1,21 +1,23 @@
 /* A liquid of particles that neither gains nor loses volume, in a box and between obstacles: after each step the
  * velocities that its forces have given to the particles go to a grid, pressure takes away their divergence there, and
  * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
- * all channels stay on the particles. The box's faces are walls without friction; obstacles of the scene are walls that
- * cover parts of faces, at rest or moving.
+ * all channels stay on the particles. The box's faces are walls; obstacles of the scene are walls that cover
+ * parts of faces, at rest or moving. Without a viscosity they have no friction.
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
- * the liquid, and the liquid does not move them, nor anything else; there is no viscosity and no surface tension; walls
+ * the liquid, and the liquid does not move them, nor anything else; walls
  * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
  * the energy balance of such a run is not either. */
-#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/liquid/liquid_pace.h"
+#include "plugins/common/liquid/tension.h"
+#include "plugins/common/liquid/viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
 
 typedef struct liquid {
-  double low[3], high[3], cell, density, flip, courant, tolerance, memory;
-  int transfer;
+  double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity, tension;
+  int transfer, walls;
   bool even;
   hk_tuples particles;
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
@@ -24,13 +26,25 @@ typedef struct liquid {
   double reached; /* s, the end of the last step */
   double longest; /* s, of the steps */
   double off;     /* by which the density within was off, at most */
+  double left;    /* of the divergence, by the step: what a cell gained or lost, at most */
+  double drift;   /* of the volume, mean of the last steps; NAN: not known */
+  hk_liquid_pace pace;
   int64_t slot, said;
   uint32_t *index;
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
+  hk_viscosity viscous;
+  hk_tension surface;
+  hk_array second; /* m^2/s, as `guess`, of the projection after viscosity */
   const hk_host *host;
 } liquid;
+
+enum { NO_SLIP, FREE_SLIP };
+
+static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
+static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
+static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
 
 static const hk_param params[] = {
     {"low", "m", "lower corner of the box that the liquid is in; its faces are walls", .vector = HK_AT(liquid, low),
@@ -47,12 +61,19 @@ static const hk_param params[] = {
      "how velocities come back: with their gradients (Jiang 2015); as changes (Zhu and Bridson 2005); "
      "plainly, which is the most viscous",
      .choice = HK_AT(liquid, transfer), .choices = HK_LIQUID_TRANSFERS},
+    {"viscosity", "Pa s", "of the liquid: water 0.001, oil 0.1, honey 10", .number = HK_AT(liquid, viscosity),
+     .limits = HK_AT_LEAST(0)},
+    {"tension", "N/m", "of its surface: water 0.072; bends of less than two cells are not seen",
+     .number = HK_AT(liquid, tension), .limits = HK_AT_LEAST(0)},
+    {"walls", "", "with a viscosity, whether walls and obstacles hold the liquid back", .choice = HK_AT(liquid, walls),
+     .choices = "no_slip|free_slip"},
     {"flip", "", "with transfer = \"flip\": part of a particle's own velocity that is kept",
      .number = HK_AT(liquid, flip), .initial = {0.97}, .limits = HK_WITHIN(0, 1)},
     {"even", "", "whether places that are denser or thinner than the liquid are evened, which keeps its volume",
      .boolean = HK_AT(liquid, even), .initial = {1}},
-    {"courant", "", "cells that a particle passes in a step, at most: longer steps are divided",
-     .number = HK_AT(liquid, courant), .initial = {2}, .limits = HK_ABOVE_TO(0, 20)},
+    {"courant", "",
+     "cells that a particle, or a wave as long as the liquid is deep, passes in a step, at most: steps are that short",
+     .number = HK_AT(liquid, courant), .initial = {0.5}, .limits = HK_ABOVE_TO(0, 20)},
     {"tolerance", "", "divergence that is left, by the largest before", .number = HK_AT(liquid, tolerance),
      .initial = {1e-8}, .limits = HK_ABOVE_TO(0, 0.1)},
     {"memory", "GB", "that the grid may take", .number = HK_AT(liquid, memory), .initial = {4}, .limits = HK_ABOVE(0)},
@@ -63,8 +84,16 @@ static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
+    {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
     {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
+    {"off", .number = HK_AT(liquid, off)},
+    {"left", .number = HK_AT(liquid, left)},
+    {"drift", .number = HK_AT(liquid, drift)},
+    {"pull_x", .number = HK_AT(liquid, pace.pull[0])},
+    {"pull_y", .number = HK_AT(liquid, pace.pull[1])},
+    {"pull_z", .number = HK_AT(liquid, pace.pull[2])},
+    {"passed", .number = HK_AT(liquid, pace.passed)},
     {"slot", .integer = HK_AT(liquid, slot)},
     {"said", .integer = HK_AT(liquid, said)},
     {0},
@@ -174,16 +203,20 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
+  s->surface = (hk_tension){.tension = s->tension};
+  s->viscous = (hk_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
   double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
+  if (status == HK_OK && s->viscosity > 0) status = host->resize(host, &s->second, m->grid.size);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
   m->obstacles = all->set;
   s->obstacles = all->set->count;
   s->reached = view->t;
+  s->drift = NAN;
   warn_of_thin(s);
   return hk_liquid_open(m, host, s->count);
 }
@@ -191,32 +224,36 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void destroy(void *self, const hk_host *host) {
   liquid *s = self;
   (void)host;
-  if (s->host) hk_liquid_close(&s->method);
+  if (!s->host) return;
+  hk_viscosity_close(&s->viscous, s->host);
+  hk_tension_close(&s->surface, s->host);
+  hk_liquid_close(&s->method);
 }
 
-/* Cells that the fastest particle passes in the step. */
-static double courant_of(const liquid *s, const hk_correction *c) {
-  double most = 0;
-  for (size_t k = 0; k < s->count; k++)
-    for (int a = 0; a < 3; a++) {
-      if (s->method.grid.flat[a]) continue;
-      most = fmax(most, fabs(c->v[3 * (size_t)s->index[k] + (size_t)a]) * c->h / s->method.grid.spacing[a]);
-    }
-  return most;
+static hk_liquid_particles particles_at(const liquid *s, const hk_view *view) {
+  return (hk_liquid_particles){.count = s->count, .index = s->index, .x = (double *)view->x, .v = (double *)view->v};
 }
 
 /* By how much the density within the liquid is off, and with it the volume; 0: by less than is seen, or the liquid has
  * too few cells within to say. */
 static double density_off(const liquid *s) {
   double off = s->method.mean - 1;
-  return s->method.inside > 64 && fabs(off) > 0.05 ? off : 0;
+  return s->method.inside > enough_cells && fabs(off) > 0.05 ? off : 0;
+}
+
+/* The mean of the last steps: the density of some hundred cells, whose particles are at random, trembles by a part of a
+ * percent. */
+static void note_drift(liquid *s) {
+  const double weight = 1.0 / 32;
+  double now = 1 / s->method.mean - 1;
+  if (s->method.inside > enough_cells) s->drift = isnan(s->drift) ? now : s->drift + weight * (now - s->drift);
 }
 
 /* Once a run. */
 static void say(liquid *s, const hk_view *view, double courant) {
   if (s->said) return;
   double off = density_off(s);
-  if (courant > s->courant && ++s->said)
+  if (courant > beyond_foretold * s->courant && ++s->said)
     s->host->warn(s->host,
                   "particles of the liquid pass %.3g cells in a step at t = %g s, and the step cannot be "
                   "shorter: take a smaller --dt, or larger cells",
@@ -255,22 +292,27 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
         s->host, HK_BAD_PARAM,
         "obstacles come after the liquid in the scene, and would strike particles that its pressure has "
         "moved: put the corrector liquid behind all obstacles");
-  double courant = courant_of(s, c);
-  if (courant > s->courant && !c->last) {
+  hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, NULL, 18};
+  double courant = hk_liquid_courant(m, &p, c->h);
+  hk_liquid_pull_between(&s->pace, &p, c->v_before, c->h);
+  if (courant > beyond_foretold * s->courant && !c->last) {
     c->reject = true;
     return HK_OK;
   }
   if (view->t - c->h >= s->reached - 1e-9 * c->h) s->slot = 1 - s->slot;
   s->reached = view->t;
   s->longest = fmax(s->longest, c->h);
-  double *before = s->affine + (s->slot ? 0 : 9), *after = s->affine + (s->slot ? 9 : 0);
-  hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, before, 18};
+  double *after = s->affine + (s->slot ? 9 : 0);
+  p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
-  hk_status status = hk_liquid_project(m, s->guess.item);
+  hk_status status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
+  if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
+  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_shear(m, &s->viscous, c->h);
+  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
@@ -278,20 +320,44 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_move(m, &p, c->h);
   c->changed = changed(s, c);
   s->off = fmax(s->off, fabs(density_off(s)));
+  s->left = fmax(s->left, m->left * c->h);
+  s->pace.passed = fmax(s->pace.passed, courant);
+  note_drift(s);
   say(s, view, courant);
   return HK_OK;
+}
+
+static double longest_step(void *self, const hk_view *view, const double *a) {
+  liquid *s = self;
+  const hk_liquid_particles p = particles_at(s, view);
+  if (a) hk_liquid_pull(&s->pace, &p, a);
+  return hk_liquid_longest_step(&s->method, &s->pace, &p, s->courant, s->tension);
+}
+
+static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
+  const liquid *s = self;
+  const hk_liquid_particles p = particles_at(s, view);
+  figure[0] = (hk_own_figure){"volume_drift", "", s->drift, most_drift};
+  figure[1] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
+  figure[2] = (hk_own_figure){"courant", "cells", s->pace.passed, INFINITY};
+  figure[3] = (hk_own_figure){"in_walls", "particles", (double)hk_liquid_count_beyond(&s->method, &p), 0};
+  return 4;
 }
 
 /* m: the farthest particle beyond a wall, or by how much a cell was too full, at most. */
 static double violation(void *self, const hk_view *view) {
   const liquid *s = self;
-  const hk_liquid_particles p = {.count = s->count, .index = s->index, .x = (double *)view->x};
+  const hk_liquid_particles p = particles_at(s, view);
   const double *spacing = s->method.grid.spacing;
   return fmax(hk_liquid_beyond(&s->method, &p), s->off * fmin(spacing[0], fmin(spacing[1], spacing[2])));
 }
 
-static const hk_corrector corrector = {
-    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE | HK_MAY_REJECT, .correct = correct, .violation = violation};
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE | HK_MAY_REJECT,
+                                       .correct = correct,
+                                       .violation = violation,
+                                       .longest_step = longest_step,
+                                       .figures = figures};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -300,7 +366,9 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .summary = "keeps particles an incompressible liquid with a free surface, by pressure on a grid: div u = 0",
     .reference =
         "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
-        "simulation for computer graphics, chapters 5 to 7; Kugelstadt et al. 2019, Implicit density projection",
+        "simulation for computer graphics, chapters 5 to 7; Batty and Bridson 2008, Accurate viscous free surfaces; "
+        "Kang, Fedkiw, Liu 2000, A boundary condition capturing method; Kugelstadt et al. 2019, Implicit density "
+        "projection",
     .instance_size = sizeof(liquid),
     .params = params,
     .fields = fields,

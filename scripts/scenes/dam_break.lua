@@ -6,7 +6,7 @@ local cell = param("cell", 0.03125, "of the grid, m", { min = 1e-3 })
 local depth = param("depth", 0, "of the tank, m; 0: a plane", { min = 0 })
 local transfer = param("transfer", "apic", "apic, flip or pic")
 
-local scene = hooke.scene { duration = 3, fps = 60, dt = 0.16 * cell, integrator = "symplectic_euler" }
+local scene = hooke.scene { duration = 3, fps = 60, integrator = "symplectic_euler" }
 local water = filling.box { low = { 0, 0, 0 }, high = { a, depth, 2 * a }, cell = cell, density = 1000 }
 scene:particles { positions = water.positions, mass = water.mass, group = "water" }
 scene:force("gravity", { g = { 0, 0, -9.81 } })

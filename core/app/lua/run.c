@@ -32,6 +32,12 @@ static void push_measures(lua_State *L, size_t count, const char *const *name, c
     }
 }
 
+static void push_own_figures(lua_State *L, const hk_plugin_time *plugin) {
+  lua_createtable(L, 0, (int)plugin->figures);
+  for (size_t k = 0; k < plugin->figures; k++) set_number(L, plugin->figure[k].name, plugin->figure[k].value);
+  lua_setfield(L, -2, "figures");
+}
+
 static void push_lists(lua_State *L, const hk_summary *s) {
   lua_createtable(L, (int)s->plugins, 0);
   for (size_t k = 0; k < s->plugins; k++) {
@@ -40,6 +46,7 @@ static void push_lists(lua_State *L, const hk_summary *s) {
     set_text(L, "name", s->plugin[k].name);
     set_text(L, "label", s->plugin[k].label);
     set_number(L, "seconds", s->plugin[k].seconds);
+    if (s->plugin[k].figures) push_own_figures(L, &s->plugin[k]);
     lua_rawseti(L, -2, (lua_Integer)k + 1);
   }
   lua_setfield(L, -2, "plugins");

@@ -164,6 +164,7 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   hk_tool_set_number(L, "dt", run->step->length.dt);
   hk_tool_set_number(L, "tol", run->dynamics.system.tol);
   hk_tool_set_flag(L, "dt_chosen", run->step->chosen);
+  hk_tool_set_number(L, "longest_step", hk_loop_longest_step(&run->loop));
   push_plugins(L, run);
   push_solver(L, run);
   push_spectrum(L, spectrum);

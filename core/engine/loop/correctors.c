@@ -4,6 +4,7 @@
 #include "core/engine/loop/loop.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool hk_correctors_need_start(const hk_loop *loop) {
@@ -11,6 +12,50 @@ bool hk_correctors_need_start(const hk_loop *loop) {
   unsigned flags = 0;
   for (size_t k = 0; k < correctors->count; k++) flags |= correctors->item[k]->plugin->corrector->flags;
   return flags & (HK_WANTS_BEFORE | HK_MAY_REJECT);
+}
+
+static bool any_bounds_steps(const hk_instances *correctors) {
+  for (size_t k = 0; k < correctors->count; k++)
+    if (correctors->item[k]->plugin->corrector->longest_step) return true;
+  return false;
+}
+
+/* n x 3, m/s^2, at the start of a run, for who foretells how fast things will be; the caller frees it. It is no
+ * evaluation of the run. NULL: later, or they are not known. */
+static double *first_accelerations(hk_loop *loop) {
+  hk_state *s = loop->state;
+  hk_system *system = &loop->dynamics->system;
+  const hk_counts before = loop->dynamics->count;
+  size_t n = s->model.n;
+  if (loop->record->steps > 0) return NULL;
+  double *X = malloc(s->size * sizeof *X), *a = malloc((s->size + 1) * sizeof *a);
+  hk_status status = X && a ? HK_OK : HK_NO_MEMORY;
+  if (status == HK_OK) memcpy(X, s->X, s->size * sizeof *X);
+  if (status == HK_OK) status = system->accelerations(system, s->t, X, X + 3 * n, X + 6 * n, a, a + 3 * n);
+  loop->dynamics->count = before;
+  hk_error_clear(loop->error); /* the first step says what is wrong */
+  free(X);
+  if (status == HK_OK) return a;
+  free(a);
+  return NULL;
+}
+
+double hk_correctors_longest_step(hk_loop *loop) {
+  const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
+  double least = INFINITY;
+  if (!any_bounds_steps(correctors)) return least;
+  double *a = first_accelerations(loop);
+  for (size_t k = 0; k < correctors->count; k++) {
+    const hk_instance *c = correctors->item[k];
+    if (!c->plugin->corrector->longest_step) continue;
+    hk_view view = hk_instance_view(c, &loop->state->view);
+    const hk_instance *outer = hk_enter(c);
+    double longest = c->plugin->corrector->longest_step(c->self, &view, a);
+    hk_leave(c, outer);
+    if (longest > 0) least = fmin(least, longest);
+  }
+  free(a);
+  return least;
 }
 
 static hk_status impose(hk_loop *loop) {

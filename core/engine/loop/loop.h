@@ -144,7 +144,8 @@ struct hk_loop {
 /* All but schedule, hooks and sources, which are zero. */
 void hk_loop_open(hk_loop *, hk_dynamics *, hk_step_length *, hk_record *, double fps);
 hk_status hk_loop_to(hk_loop *, double t);
-hk_status hk_loop_frame(hk_loop *); /* calls the frame hook for the present state */
+double hk_loop_longest_step(hk_loop *); /* s, that forces and correctors allow at the present state; INFINITY: any */
+hk_status hk_loop_frame(hk_loop *);     /* calls the frame hook for the present state */
 void hk_loop_close(hk_loop *);
 
 /* ---- step.c: the order of a step, and its attempts. Afterwards the state is that of the new time, or, on a failure,
@@ -194,6 +195,7 @@ static inline double hk_loop_work(const hk_state *s, const hk_record *r) { retur
 
 /* ---- correctors.c ---- */
 
+double hk_correctors_longest_step(hk_loop *);   /* s, at the present state; INFINITY: no bound */
 bool hk_correctors_need_start(const hk_loop *); /* whether a corrector needs the state before the step */
 /* last: the step cannot be made shorter. *rejected: a corrector rejected the step; the state before the step is then
  * restored. */

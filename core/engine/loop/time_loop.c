@@ -61,9 +61,9 @@ static hk_status watch(hk_loop *loop) {
   return due ? loop->step->watch(loop->step, loop->dynamics) : HK_OK;
 }
 
-/* s, that forces allow. */
-static double longest_step(const hk_loop *loop) {
-  return loop->dynamics->demands ? hk_forces_longest_step(loop->dynamics) : INFINITY;
+double hk_loop_longest_step(hk_loop *loop) {
+  double forces = loop->dynamics->demands ? hk_forces_longest_step(loop->dynamics) : INFINITY;
+  return fmin(forces, hk_correctors_longest_step(loop));
 }
 
 /* The events at the start of a segment: pins are released, forces begin or end to act. The change of energy by an event
@@ -106,7 +106,7 @@ static void cut_into_steps(hk_loop *loop, double stop) {
   *p = (hk_piece){.i = 1, .begin = loop->state->t, .stop = stop, .dt = loop->step->dt};
   bool whole = frames > 0 && p->begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
   double length = whole ? 1 / loop->fps : stop - p->begin;
-  double pieces = ceil(length / fmin(p->dt, longest_step(loop)) * (1 - 1e-12));
+  double pieces = ceil(length / fmin(p->dt, hk_loop_longest_step(loop)) * (1 - 1e-12));
   p->n = pieces > 1 ? (size_t)pieces : 1;
   if (refines(loop, p->begin, stop)) p->n = 2 * loop->schedule.refine * p->n + 1;
   p->h = whole ? 1 / (loop->fps * (double)p->n) : length / (double)p->n;
@@ -116,17 +116,17 @@ static void cut_into_steps(hk_loop *loop, double stop) {
 
 /* Whether the rest of the segment needs shorter steps than when it was divided: sources made the scene stiffer, or a
  * force demands them. The slack is twice that of `cut_into_steps`, for rounding. */
-static bool too_long(const hk_loop *loop, const hk_piece *p) {
-  return loop->step->dt < p->dt || longest_step(loop) < p->h * (1 - 2e-12);
+static bool too_long(hk_loop *loop, const hk_piece *p) {
+  return loop->step->dt < p->dt || hk_loop_longest_step(loop) < p->h * (1 - 2e-12);
 }
 
 /* Steps have to move the time `at`; 64: so that their lengths have some digits, too. */
-static hk_status check_length(const hk_loop *loop, double dt, double at) {
-  double demanded = longest_step(loop), least = 64 * DBL_EPSILON * fabs(at);
+static hk_status check_length(hk_loop *loop, double dt, double at) {
+  double demanded = hk_loop_longest_step(loop), least = 64 * DBL_EPSILON * fabs(at);
   if (demanded > least && dt > least) return HK_OK;
   return hk_error_set(loop->error, demanded > least ? HK_BAD_PARAM : HK_NOT_CONVERGED,
                       "%s allows steps of %g s at most, too short to move t = %g s; above %.1g s they are not",
-                      demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t, least);
+                      demanded > least ? "dt" : "a force or a corrector", fmin(dt, demanded), loop->state->t, least);
 }
 
 /* The next steps of the piece; *length: how many. */
@@ -176,9 +176,9 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
   if (refines(loop, loop->state->t, stop))
     most = fmin(most, (stop - loop->state->t) / (2 * (double)loop->schedule.refine + 1));
   while (loop->state->t < stop) {
-    double longest = longest_step(loop), h = fmin(longest, offered_step(loop, stop, fmin(most, longest)));
+    double longest = hk_loop_longest_step(loop), h = fmin(longest, offered_step(loop, stop, fmin(most, longest)));
     hk_status status = hk_step_begin(loop, h);
-    longest = longest_step(loop); /* of the newborn, too */
+    longest = hk_loop_longest_step(loop); /* of the newborn, too */
     if (status == HK_OK) status = check_length(loop, INFINITY, loop->state->t);
     double begin = loop->state->t;
     if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));

@@ -53,6 +53,16 @@ static void add_intersections(const words *w) {
     add(w, "%zu of the %zu intersections of the start are left", r->intersections[1], r->intersections[0]);
 }
 
+static void add_own_figures(const words *w) {
+  for (size_t p = 0; p < w->s->plugins; p++)
+    for (size_t k = 0; k < w->s->plugin[p].figures; k++) {
+      const hk_own_figure *f = &w->s->plugin[p].figure[k];
+      if (hk_above_limit(f))
+        add(w, "%s: %s is %.3g%s%s, and %g is the most that is ok", w->s->plugin[p].label, f->name, f->value,
+            *f->unit ? " " : "", f->unit, f->limit);
+    }
+}
+
 static void add_error(const words *w, const hk_finding *f) {
   const hk_comparisons *c = &w->j->comparisons;
   if (c->channel && c->channel_accuracy > 0)
@@ -137,6 +147,9 @@ static void add_finding(const words *w, const hk_finding *f) {
     break;
   case HK_INTERSECTIONS:
     add_intersections(w);
+    break;
+  case HK_OWN_FIGURE:
+    add_own_figures(w);
     break;
   case HK_EXACT_FAILED:
     add(w, "the exact solution is not known: %.600s", w->j->exact_cause);

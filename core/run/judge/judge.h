@@ -10,7 +10,9 @@ typedef struct hk_judgement hk_judgement;
 typedef struct hk_plugin_time {
   const char *kind, *name, *label;
   double seconds;
-  bool apart; /* a force without parts: see hk_evaluate_is_apart */
+  bool apart;     /* a force without parts: see hk_evaluate_is_apart */
+  size_t figures; /* of a corrector */
+  hk_own_figure figure[HK_OWN_FIGURES];
 } hk_plugin_time;
 
 /* A copy of X, ids and masses. */
@@ -74,8 +76,7 @@ double hk_trajectory_channel_change(const hk_trajectory *, const hk_scene *, siz
 
 /* ---- figures.c: energies and momenta of a frame, and the error against a known solution ---- */
 
-/* Fills judgement->last_frame and the record; keeps a snapshot of the state when its energy is plausible. `caller` is
- * passed to measures. */
+/* Fills judgement->last_frame and the record; keeps a snapshot of a plausible state. `caller`: passed to measures. */
 hk_status hk_figures_take(hk_loop *, hk_judgement *, const void *caller);
 /* The scene's measures of the present state, which is not that of a frame where a run stopped between two. */
 hk_status hk_figures_measure(hk_loop *, hk_judgement *, const void *caller);
@@ -155,8 +156,7 @@ void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approx
 
 /* ---- contacts.c ---- */
 
-/* At a frame: counts the intersections of surfaces, as the plugins report them that keep surfaces apart.
- * HK_BAD_PARAM: surfaces intersect at the start, and no plugin removes that. */
+/* At a frame: counts intersections, as plugins report them. HK_BAD_PARAM: some at the start, which nobody removes. */
 hk_status hk_contacts_note(hk_loop *);
 
 /* ---- summary.c: the figures of a run ---- */
@@ -279,6 +279,7 @@ typedef enum hk_fault {
   HK_DAMPED,               /* m, by swings that both runs damp */
   HK_PULSE,                /* s: a function of time that acts between evaluations */
   HK_EXACT_ABOVE_ACCURACY, /* m */
+  HK_OWN_FIGURE,           /* a corrector's, above its limit; in its own unit */
   HK_FAULTS
 } hk_fault;
 
@@ -335,6 +336,7 @@ typedef struct hk_comparisons {
   hk_remedy remedy;     /* the last one that was tried */
 } hk_comparisons;
 
+static inline bool hk_above_limit(const hk_own_figure *f) { return fabs(f->value) > f->limit; }
 bool hk_confirmed(const hk_comparisons *); /* an independent method agrees with the run */
 /* The method was chosen without an accuracy, and damps what it does not resolve: that energy is missing is no fault;
  * that a reference measures an error of a tenth of the motion is one. */
@@ -374,11 +376,9 @@ void hk_judgement_close(hk_judgement *);
 /* At the end, and after comparisons: gathers the evidence and finds the verdict. HK_SCRIPT: the exact solution failed,
  * with loop->error. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
-/* Whether something acts or ceases within steps, such as impacts, friction that sticks and correctors: what the error
- * is in one part of the run then says little of another part. */
+/* Whether something acts or ceases within steps (impacts, friction, correctors): a part of a run then shows little. */
 bool hk_is_abrupt(const hk_loop *);
-/* The figures with the verdict in words; may be asked for at any time. The pointers are valid until the run is
- * destroyed, those of `plugin` until the next summary. */
+/* The figures with the verdict in words, at any time. Pointers are valid while the run is, `plugin` until the next. */
 void hk_summary_take(hk_loop *, hk_judgement *, const hk_asked *, hk_summary *);
 
 /* ---- findings.c, remedy.c: the words of a verdict ---- */

@@ -60,6 +60,15 @@ static double share_of(const hk_instance *instance, const shares *s) {
   return seconds_of(instance) * (kind == HK_FORCE || kind == HK_CONSTRAINT ? s->of_samples : 1);
 }
 
+/* What a corrector says of the run so far. */
+static void own_figures(const hk_loop *loop, const hk_instance *corrector, hk_plugin_time *time) {
+  if (corrector->plugin->kind != HK_CORRECTOR || !corrector->plugin->corrector->figures) return;
+  hk_view view = hk_instance_view(corrector, &loop->state->view);
+  const hk_instance *outer = hk_enter(corrector);
+  time->figures = corrector->plugin->corrector->figures(corrector->self, &view, time->figure);
+  hk_leave(corrector, outer);
+}
+
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
                                   HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER,    HK_SERVICE};
@@ -72,9 +81,13 @@ static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
     for (size_t k = 0; k < loop->plugins->kind[order[o]].count; k++) {
       const hk_instance *instance = loop->plugins->kind[order[o]].item[k];
       if (!instance->started) continue;
-      j->plugin_time[s->plugins++] =
-          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, share_of(instance, &of),
-                           order[o] == HK_FORCE && hk_evaluate_is_apart(loop->dynamics, k)};
+      hk_plugin_time *time = &j->plugin_time[s->plugins++];
+      *time = (hk_plugin_time){.kind = hk_kind_name(order[o]),
+                               .name = instance->plugin->name,
+                               .label = instance->label,
+                               .seconds = share_of(instance, &of),
+                               .apart = order[o] == HK_FORCE && hk_evaluate_is_apart(loop->dynamics, k)};
+      own_figures(loop, instance, time);
     }
   s->plugin = j->plugin_time;
 }

@@ -114,6 +114,16 @@ static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_
   if (!c->tried && c->sampling.varies && c->sampling.where) find(o, HK_PULSE, c->sampling.shortest, NAN, 0);
 }
 
+/* What correctors hold to limits of their own. */
+static void judge_own_figures(const hk_summary *s, hk_opinion *o) {
+  for (size_t p = 0; p < s->plugins; p++)
+    for (size_t k = 0; k < s->plugin[p].figures; k++)
+      if (hk_above_limit(&s->plugin[p].figure[k])) {
+        find(o, HK_OWN_FIGURE, s->plugin[p].figure[k].value, NAN, 0);
+        return; /* the words name all of them */
+      }
+}
+
 /* m: a micrometre, unless that is much of the scene, or less than its coordinates can hold. */
 static double most_violation(const hk_evidence *e) {
   return fmin(fmax(hk_limit.violation, hk_limit.rounding * e->extent), hk_limit.violated * e->extent);
@@ -127,6 +137,7 @@ hk_opinion hk_verdict_find(const hk_evidence *e, const hk_comparisons *c) {
   judge_exact(e, &o);
   if (r->violation_max > most_violation(e)) find(&o, HK_VIOLATION, r->violation_max, NAN, 0);
   if (r->intersecting > 0 || r->intersections[1] > 0) find(&o, HK_INTERSECTIONS, NAN, NAN, 0);
+  judge_own_figures(e->figures, &o);
   if (e->exact_failed) find(&o, HK_EXACT_FAILED, NAN, NAN, 0);
   judge_comparisons(e, c, &o);
   if (o.count > 0) o.verdict = HK_INACCURATE;

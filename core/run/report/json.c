@@ -77,6 +77,17 @@ static void write_origin(FILE *f, const char *text) {
   }
 }
 
+static void write_own_figures(FILE *f, const hk_plugin_time *p) {
+  fputc(',', f);
+  hk_json_key(f, "figures");
+  for (size_t k = 0; k < p->figures; k++) {
+    fputc(k ? ',' : '{', f);
+    hk_json_key(f, p->figure[k].name);
+    hk_json_number(f, p->figure[k].value);
+  }
+  fputc('}', f);
+}
+
 static void write_plugins(FILE *f, const hk_summary *s) {
   for (size_t k = 0; k < s->plugins; k++) {
     const hk_plugin_time *p = &s->plugin[k];
@@ -89,6 +100,7 @@ static void write_plugins(FILE *f, const hk_summary *s) {
     }
     hk_json_key(f, "seconds");
     hk_json_number(f, p->seconds);
+    if (p->figures) write_own_figures(f, p);
     fputc('}', f);
   }
 }

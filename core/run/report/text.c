@@ -46,6 +46,23 @@ static void print_measures(FILE *out, const hk_summary *s) {
   }
 }
 
+/* A line for each corrector that says something of the run. */
+static void print_own_figures(FILE *out, const hk_summary *s) {
+  for (size_t p = 0; p < s->plugins; p++) {
+    const hk_plugin_time *plugin = &s->plugin[p];
+    bool line = false;
+    for (size_t k = 0; k < plugin->figures; k++) {
+      const hk_own_figure *figure = &plugin->figure[k];
+      if (!isfinite(figure->value)) continue;
+      if (!line) print_text(out, "  %-17s ", plugin->label);
+      fprintf(out, "%s%s %.3g%s%s", line ? ", " : "", figure->name, figure->value, *figure->unit ? " " : "",
+              figure->unit);
+      line = true;
+    }
+    if (line) fputc('\n', out);
+  }
+}
+
 static void print_times(FILE *out, const hk_summary *s) {
   for (size_t k = 0; k < s->plugins; k++)
     if (s->plugin[k].seconds > 0) {
@@ -61,7 +78,10 @@ static void print_times(FILE *out, const hk_summary *s) {
 }
 
 static void begin_line(FILE *out, const hk_summary *s, const hk_figure *f, const char *folder) {
-  if (f->offset == offsetof(hk_summary, wall_s)) print_measures(out, s);
+  if (f->offset == offsetof(hk_summary, wall_s)) {
+    print_measures(out, s);
+    print_own_figures(out, s);
+  }
   if (f->offset == offsetof(hk_summary, verdict_name)) {
     print_times(out, s);
     if (folder) print_text(out, "  output            %s\n", folder);

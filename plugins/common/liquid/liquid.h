@@ -74,7 +74,8 @@ hk_status hk_liquid_project(hk_liquid *, double *guess);
  * part by which a cell is too full (Kugelstadt, Longva, Thuerey, Bender 2019, Implicit density projection, eq. 10), of
  * which a quarter is made up for in a step; `part`, in (0, 1]: the step's length by that of the longest. */
 hk_status hk_liquid_even(hk_liquid *, double part);
-/* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells. */
+/* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells; those
+ * just beyond the surface are taken from the liquid, too, as no pressure has acted on what particles gave them. */
 void hk_liquid_extend(hk_liquid *, int layers);
 /* Velocities of the particles from the grid, and the affine part, laid out as that of before; `full`, n: the part of
  * the density. */
@@ -84,6 +85,8 @@ void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, 
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
+/* Particles that are beyond walls by more than rounding. */
+size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);
 

@@ -1,0 +1,190 @@
+/* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
+#include "plugins/common/liquid/viscosity.h"
+
+#include <string.h>
+
+enum { GRAIN = 1024 };
+
+typedef void (*strain_visitor)(void *context, const hk_strain *e);
+
+/* All strains that the face of component a at i is part of: those of the cells on both of its sides, and of the edges
+ * about it. */
+static void visit_strains(const hk_liquid *l, const hk_viscosity *v, int a, size_t i, strain_visitor each, void *to) {
+  const hk_liquid_grid *g = &l->grid;
+  hk_strain e;
+  for (int k = 0; k < 2; k++) {
+    hk_strain_along(l, k ? i - g->stride[a] : i, a, &e);
+    each(to, &e);
+  }
+  for (int b = 0; b < 3; b++)
+    for (int k = 0; k < 2 && b != a && !g->flat[b]; k++) {
+      hk_strain_between(l, k ? i + g->stride[b] : i, a < b ? a : b, a < b ? b : a, v->slip, &e);
+      each(to, &e);
+    }
+}
+
+static void add_weight(void *context, const hk_strain *e) { *(double *)context += e->weight; }
+
+/* ---- which faces ---- */
+
+static hk_status make_room(hk_viscosity *v, const hk_host *host, size_t rows) {
+  if (rows <= v->most) return HK_OK;
+  void *old[] = {v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
+  for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
+  v->most = 0;
+  v->face = host->allocate(host, rows * sizeof *v->face);
+  v->axis = host->allocate(host, rows);
+  v->start = host->allocate(host, (rows + 1) * sizeof *v->start);
+  v->column = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->column);
+  v->value = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->value);
+  v->b = host->allocate(host, rows * sizeof *v->b);
+  v->x = host->allocate(host, rows * sizeof *v->x);
+  if (!v->face || !v->axis || !v->start || !v->column || !v->value || !v->b || !v->x)
+    return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu faces: take larger cells", rows);
+  v->most = rows;
+  return HK_OK;
+}
+
+/* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. */
+static size_t number_faces(const hk_liquid *l, hk_viscosity *v, bool list) {
+  const hk_liquid_grid *g = &l->grid;
+  size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)], count = 0;
+  for (int a = 0; a < 3; a++)
+    for (size_t k = 0; k < rows && !g->flat[a]; k++) {
+      size_t first = hk_liquid_row_at(g, k, 0).first;
+      for (size_t i = first; i < first + length; i++) {
+        if (!list) {
+          double weight = g->open[a][i] > 0 ? hk_liquid_part_of_face(l, i, a) : 0;
+          if (g->open[a][i] > 0 && !(weight > 0)) visit_strains(l, v, a, i, add_weight, &weight);
+          v->row[a][i] = weight > 0 ? (uint32_t)count : HK_LIQUID_NONE;
+        } else if (v->row[a][i] != HK_LIQUID_NONE) {
+          v->face[count] = (uint32_t)i;
+          v->axis[count] = (uint8_t)a;
+        }
+        count += v->row[a][i] != HK_LIQUID_NONE;
+      }
+    }
+  return count;
+}
+
+/* ---- the equations ---- */
+
+typedef struct equation {
+  const hk_liquid *l;
+  const hk_viscosity *v;
+  size_t face;
+  int axis, count;
+  double factor; /* h nu, m^2 */
+  double b;
+  uint32_t column[HK_VISCOUS_ROW];
+  double value[HK_VISCOUS_ROW];
+} equation;
+
+static void add_to(equation *q, uint32_t column, double value) {
+  int k = 0;
+  while (k < q->count && q->column[k] < column) k++;
+  if (k == q->count || q->column[k] != column) {
+    for (int m = q->count++; m > k; m--) q->column[m] = q->column[m - 1], q->value[m] = q->value[m - 1];
+    q->column[k] = column;
+    q->value[k] = 0;
+  }
+  q->value[k] += value;
+}
+
+/* What the strain's energy says of the face: its derivative, by that of the face's mass. */
+static void add_strain(void *context, const hk_strain *e) {
+  equation *q = context;
+  double own = 0, strain = e->walls;
+  if (!(e->weight > 0)) return;
+  for (int k = 0; k < e->count; k++) {
+    if (e->axis[k] == q->axis && e->at[k] == q->face) own = q->factor * e->weight * e->by[k];
+    strain += e->by[k] * q->l->grid.u[e->axis[k]][e->at[k]];
+  }
+  q->b -= own * strain;
+  for (int k = 0; k < e->count; k++) add_to(q, q->v->row[e->axis[k]][e->at[k]], own * e->by[k]);
+}
+
+typedef struct task {
+  hk_liquid *l;
+  hk_viscosity *v;
+  double factor;
+} task;
+
+static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
+  const task *t = context;
+  (void)piece;
+  for (size_t r = begin; r < end; r++) {
+    equation q = {.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
+    add_to(&q, (uint32_t)r, hk_liquid_part_of_face(t->l, q.face, q.axis));
+    visit_strains(t->l, t->v, q.axis, q.face, add_strain, &q);
+    memcpy(t->v->column + HK_VISCOUS_ROW * r, q.column, sizeof q.column);
+    memcpy(t->v->value + HK_VISCOUS_ROW * r, q.value, sizeof q.value);
+    t->v->start[r + 1] = (size_t)q.count;
+    t->v->b[r] = q.b;
+  }
+}
+
+/* Rows one behind the other. */
+static hk_matrix close_up(hk_viscosity *v, size_t rows) {
+  v->start[0] = 0;
+  for (size_t r = 0; r < rows; r++) {
+    size_t count = v->start[r + 1], to = v->start[r];
+    memmove(v->column + to, v->column + HK_VISCOUS_ROW * r, count * sizeof *v->column);
+    memmove(v->value + to, v->value + HK_VISCOUS_ROW * r, count * sizeof *v->value);
+    v->start[r + 1] = to + count;
+  }
+  return (hk_matrix){
+      .rows = rows, .block = 1, .row_start = v->start, .column = v->column, .value = v->value, .symmetric = true};
+}
+
+/* ---- the solution ---- */
+
+static double precondition(void *context, const double *r, double *z) {
+  hk_viscosity *v = context;
+  return hk_incomplete_apply(&v->factors, v->gradients.host, r, z);
+}
+
+static hk_status solve(hk_viscosity *v, const hk_host *host, const hk_matrix *A) {
+  hk_gradients_system system = {precondition, v, v->tolerance, 0};
+  hk_incomplete_free(&v->factors, host);
+  hk_gradients_free(&v->gradients, host);
+  hk_status status = hk_gradients_analyze(&v->gradients, host, A);
+  if (status == HK_OK && hk_incomplete_analyze(&v->factors, host, A) != HK_OK) status = hk_gradients_no_memory(host, A);
+  if (status == HK_OK) status = hk_gradients_fill(&v->gradients, host, A);
+  if (status != HK_OK) return status;
+  v->gradients.host = host;
+  if (!hk_incomplete_factorize(&v->factors, host, A))
+    return host->fail(host, HK_NOT_CONVERGED,
+                      "the viscosity's equations of %zu faces are not finite: take shorter steps", A->rows);
+  v->gradients.ready = true;
+  return hk_gradients_solve(&v->gradients, host, &system, v->b, v->x, NULL);
+}
+
+hk_status hk_liquid_shear(hk_liquid *l, hk_viscosity *v, double h) {
+  const hk_host *host = l->host;
+  hk_liquid_grid *g = &l->grid;
+  for (int a = 0; a < 3; a++) {
+    if (!v->row[a]) v->row[a] = host->allocate(host, g->size * sizeof *v->row[a]);
+    if (!v->row[a]) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", g->size);
+    memset(v->row[a], 0xff, g->size * sizeof *v->row[a]);
+  }
+  size_t rows = number_faces(l, v, false);
+  hk_status status = rows ? make_room(v, host, rows) : HK_OK;
+  if (status != HK_OK || rows == 0) return status;
+  number_faces(l, v, true);
+  task t = {l, v, h * v->viscosity / l->density};
+  host->parallel_for(host, rows, GRAIN, fill_rows, &t);
+  hk_matrix A = close_up(v, rows);
+  memset(v->x, 0, rows * sizeof *v->x);
+  status = solve(v, host, &A);
+  for (size_t r = 0; r < rows && status == HK_OK; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
+  return status;
+}
+
+void hk_viscosity_close(hk_viscosity *v, const hk_host *host) {
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
+  hk_incomplete_free(&v->factors, host);
+  hk_gradients_free(&v->gradients, host);
+  memset(v, 0, sizeof *v);
+}

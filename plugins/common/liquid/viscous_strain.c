@@ -1,0 +1,95 @@
+/* Strains of a liquid on its grid, and the parts of volumes that they stand for. */
+#include "plugins/common/liquid/viscosity.h"
+
+static const double nearest_wall = 0.1; /* of the way to the next face: a wall is no nearer */
+
+/* The part below a flat surface at the distance s, in cells. */
+static double part_of(double s) { return fmin(1, fmax(0, 0.5 - s)); }
+
+static size_t number_along(const hk_liquid_grid *g, size_t at, int c) { return at / g->stride[c] % (g->cells[c] + 2); }
+
+static bool in_box(const hk_liquid_grid *g, size_t cell) {
+  for (int c = 0; c < 3; c++) {
+    size_t k = number_along(g, cell, c);
+    if (k < 1 || k > g->cells[c]) return false;
+  }
+  return true;
+}
+
+/* The mean distance to the surface of those cells that are in the box. */
+static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cells) {
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < cells; k++)
+    if (in_box(g, cell[k])) sum += g->distance[cell[k]], count++;
+  return count ? sum / count : 1;
+}
+
+double hk_liquid_part_of_face(const hk_liquid *l, size_t i, int a) {
+  const hk_liquid_grid *g = &l->grid;
+  return part_of(mean_distance(g, (size_t[]){i, i - g->stride[a]}, 2));
+}
+
+void hk_strain_along(const hk_liquid *l, size_t i, int a, hk_strain *e) {
+  const hk_liquid_grid *g = &l->grid;
+  double unit = 1 / g->spacing[a];
+  *e = (hk_strain){.weight = 2 * part_of(g->distance[i])};
+  for (int k = 0; k < 2; k++) {
+    size_t at = k ? i + g->stride[a] : i;
+    double by = k ? unit : -unit;
+    if (!(g->open[a][at] > 0)) {
+      e->walls += by * g->wall[a][at];
+      continue;
+    }
+    e->axis[e->count] = a;
+    e->at[e->count] = at;
+    e->by[e->count++] = by;
+  }
+}
+
+/* m, from the centre of a face of component a to the nearest obstacle: the mean of its corners. */
+static double to_obstacle(const hk_liquid_grid *g, size_t i, int a) {
+  int b = a == 0 ? 1 : 0, c = 3 - a - b;
+  size_t s = g->flat[b] ? 0 : g->stride[b], t = g->flat[c] ? 0 : g->stride[c];
+  return (g->solid[i] + g->solid[i + s] + g->solid[i + t] + g->solid[i + s + t]) / 4;
+}
+
+/* Where the wall is between the centre of an open face and that of one which is not, by their distance: the box is in
+ * the middle. */
+static double part_to_wall(const hk_liquid *l, int a, size_t open, size_t closed) {
+  const hk_liquid_grid *g = &l->grid;
+  for (int c = 0; c < 3; c++)
+    if (c != a && (number_along(g, closed, c) < 1 || number_along(g, closed, c) > g->cells[c])) return 0.5;
+  double near = to_obstacle(g, open, a), beyond = to_obstacle(g, closed, a);
+  return near > 0 && beyond < 0 ? fmax(nearest_wall, near / (near - beyond)) : nearest_wall;
+}
+
+/* Adds the difference of component a across the edge, by the spacing. Returns the part of the way that is liquid: less
+ * than 1 where it ends at a wall, whose velocity is then counted in. */
+static double add_difference(const hk_liquid *l, int a, size_t below, size_t above, double unit, hk_strain *e) {
+  const hk_liquid_grid *g = &l->grid;
+  const size_t at[2] = {below, above};
+  const bool open[2] = {g->open[a][below] > 0, g->open[a][above] > 0};
+  double part = 1;
+  if (open[0] != open[1]) part = part_to_wall(l, a, open[0] ? below : above, open[0] ? above : below);
+  for (int k = 0; k < 2; k++) {
+    double by = (k ? unit : -unit) / part;
+    if (!open[k]) {
+      e->walls += by * g->wall[a][at[k]];
+      continue;
+    }
+    e->axis[e->count] = a;
+    e->at[e->count] = at[k];
+    e->by[e->count++] = by;
+  }
+  return part;
+}
+
+void hk_strain_between(const hk_liquid *l, size_t i, int a, int b, bool slip, hk_strain *e) {
+  const hk_liquid_grid *g = &l->grid;
+  size_t s = g->stride[a], t = g->stride[b];
+  *e = (hk_strain){.weight = part_of(mean_distance(g, (size_t[]){i, i - s, i - t, i - s - t}, 4))};
+  double first = add_difference(l, a, i - t, i, 1 / g->spacing[b], e);
+  double second = add_difference(l, b, i - s, i, 1 / g->spacing[a], e);
+  e->weight *= slip && fmin(first, second) < 1 ? 0 : fmin(first, second);
+}
