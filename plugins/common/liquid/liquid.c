@@ -7,7 +7,7 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
   l->most = most;
   if (!l->start) {
     l->start = host->allocate(host, (l->grid.size + 1) * sizeof *l->start);
-    if (hk_pressure_open(&l->pressure, host, cells) != HK_OK || !l->start)
+    if (hk_pressure_open(&l->pressure, host, &l->grid) != HK_OK || !l->start)
       return host->fail(host, HK_NO_MEMORY, "no memory for the pressure of %zu cells: take larger ones", cells);
   }
   host->release(host, l->sorted);

@@ -141,7 +141,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   hk_pressure *p = &l->pressure;
   fill_gaps(l);
   l->host->parallel_for(l->host, p->rows, GRAIN, rows_piece, l);
-  hk_pressure_factorize(p);
+  hk_pressure_prepare(p);
   for (size_t k = 0; k < p->rows; k++) {
     p->b[k] = -divergence(g, p->cell[k]);
     p->x[k] = guess[p->cell[k]];
