@@ -2,12 +2,13 @@
  * velocities that its forces have given to the particles go to a grid, pressure takes away their divergence there, and
  * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
  * all channels stay on the particles. The box's faces are walls without friction; obstacles of the scene are walls that
- * cover parts of faces, at rest or moving.
+ * cover parts of faces, at rest or moving. Rigid bodies that are free are walls whose motion is solved for with the
+ * pressure (plugins/common/liquid/couple.h): they float, sink and are carried.
  *
- * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
- * the liquid, and the liquid does not move them, nor anything else; there is no viscosity and no surface tension; walls
- * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
- * the energy balance of such a run is not either. */
+ * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles, and
+ * bodies that are held, move the liquid, and the liquid does not move them, nor cloth; there is no viscosity and no
+ * surface tension; walls thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its
+ * work is not known, so the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
@@ -21,6 +22,7 @@ typedef struct liquid {
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
   double *full;   /* n */
   hk_array guess; /* m^2/s, the last pressure, on the grid */
+  hk_array force; /* of bodies x 6, hk_liquid_bodies */
   double reached; /* s, the end of the last step */
   double longest; /* s, of the steps */
   double off;     /* by which the density within was off, at most */
@@ -63,6 +65,7 @@ static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
+    {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
     {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
     {"slot", .integer = HK_AT(liquid, slot)},
@@ -155,6 +158,7 @@ static void warn_of_births(const liquid *s, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
   hk_status status = choose(s, view);
+  hk_liquid_bodies_topology(&s->method.bodies);
   if (status == HK_OK) warn_of_births(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
 }
@@ -178,6 +182,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
+  if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
+  if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
@@ -266,17 +272,21 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double *before = s->affine + (s->slot ? 0 : 9), *after = s->affine + (s->slot ? 9 : 0);
   hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, before, 18};
   begin(s, c);
+  m->bodies.force = s->force.item;
+  hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
+  if (status != HK_OK) return status;
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
-  hk_status status = hk_liquid_project(m, s->guess.item);
+  status = hk_liquid_project(m, s->guess.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
+  bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
   hk_liquid_move(m, &p, c->h);
-  c->changed = changed(s, c);
+  c->changed = moved || changed(s, c);
   s->off = fmax(s->off, fabs(density_off(s)));
   say(s, view, courant);
   return HK_OK;
@@ -290,8 +300,10 @@ static double violation(void *self, const hk_view *view) {
   return fmax(hk_liquid_beyond(&s->method, &p), s->off * fmin(spacing[0], fmin(spacing[1], spacing[2])));
 }
 
-static const hk_corrector corrector = {
-    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE | HK_MAY_REJECT, .correct = correct, .violation = violation};
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE | HK_MAY_REJECT | HK_TAKES_SKINS,
+                                       .correct = correct,
+                                       .violation = violation};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -300,7 +312,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .summary = "keeps particles an incompressible liquid with a free surface, by pressure on a grid: div u = 0",
     .reference =
         "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
-        "simulation for computer graphics, chapters 5 to 7; Kugelstadt et al. 2019, Implicit density projection",
+        "simulation for computer graphics, chapters 5 to 7; Kugelstadt et al. 2019, Implicit density projection; "
+        "Batty, Bertails, Bridson 2007, A fast variational framework for accurate solid-fluid coupling",
     .instance_size = sizeof(liquid),
     .params = params,
     .fields = fields,

@@ -10,6 +10,12 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
     if (hk_pressure_open(&l->pressure, host, &l->grid) != HK_OK || !l->start)
       return host->fail(host, HK_NO_MEMORY, "no memory for the pressure of %zu cells: take larger ones", cells);
   }
+  if (l->bodies.count && !l->pressure.walls.body) {
+    hk_moving_walls *walls = &l->pressure.walls;
+    walls->bodies = l->bodies.count;
+    walls->body = host->allocate(host, walls->bodies * sizeof *walls->body);
+    if (!walls->body) return host->fail(host, HK_NO_MEMORY, "no memory for %zu bodies in a liquid", walls->bodies);
+  }
   host->release(host, l->sorted);
   host->release(host, l->cell);
   l->sorted = host->allocate(host, (most + 1) * sizeof *l->sorted);

@@ -40,6 +40,8 @@ void hk_pressure_close(hk_pressure *p) {
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) p->host->release(p->host, lists[k]);
   p->host->release(p->host, p->loop.part);
   if (p->vcycle.host) hk_vcycle_close(&p->vcycle);
+  p->host->release(p->host, p->walls.wall);
+  p->host->release(p->host, p->walls.body);
   memset(p, 0, sizeof *p);
 }
 
@@ -170,7 +172,9 @@ static double total(hk_pressure *p, piece_body body, void *context) {
 }
 
 static double product(void *context, const double *in, double *out) {
-  return total(context, multiply_piece, &(task){context, in, out});
+  hk_pressure *p = context;
+  double sum = total(p, multiply_piece, &(task){p, in, out});
+  return p->walls.count ? sum + hk_moving_walls_multiply(&p->walls, in, out) : sum;
 }
 
 /* From r of the pressure to z, which are the loop's. */
@@ -239,7 +243,8 @@ static double largest_of(const double *v, size_t rows) {
 
 /* The residual of the first guess, which is dropped where it is worse than none. Returns its largest number. */
 static double begin(hk_pressure *p) {
-  for (size_t i = 0; i < p->rows; i++) p->r[i] = p->b[i] - times(p, p->x, i);
+  product(p, p->x, p->q);
+  for (size_t i = 0; i < p->rows; i++) p->r[i] = p->b[i] - p->q[i];
   double most = largest_of(p->r, p->rows), without = largest_of(p->b, p->rows);
   if (most < without) return most;
   memset(p->x, 0, p->rows * sizeof(double));

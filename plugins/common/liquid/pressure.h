@@ -7,6 +7,7 @@
 
 #include "plugins/common/gradients/gradients_loop.h"
 #include "plugins/common/liquid/liquid_grid.h"
+#include "plugins/common/liquid/moving_walls.h"
 #include "plugins/common/liquid/vcycle.h"
 
 /* AUTO: by the number of cells. */
@@ -27,6 +28,7 @@ typedef struct hk_pressure {
   uint32_t *part;        /* rows: number of the connected part, from 0 */
   double *sums;          /* of pieces */
   int iterations;        /* of the last solution */
+  hk_moving_walls walls; /* what bodies add to the matrix; of none of them count is 0 */
   hk_gradients_loop loop;
   hk_pressure_way way; /* asked for */
   bool cycles;         /* the V-cycle is the preconditioner */
