@@ -9,8 +9,10 @@ enum {                      /* hk_corrector.flags */
        HK_WANTS_BEFORE = 1, /* the host fills x_before and v_before */
        HK_REPORTS_WORK = 2, /* the corrector fills `work`, so the energy balance stays known */
        HK_MAY_REJECT = 4,   /* the host reads `reject` */
-       HK_TAKES_BODIES = 8 /* it meets rigid bodies at the points of their surface (hk_rider.touches), and moves them as
-                              "bodies/1" says; of others a scene with rigid bodies warns */
+       HK_TAKES_BODIES = 8, /* it meets rigid bodies at the points of their surface (hk_rider.touches), and moves them
+                              as "bodies/1" says; of others a scene with rigid bodies warns */
+       HK_TAKES_SKINS = 16 /* it meets rigid bodies as what their skins (hk_body_skin) enclose, and moves those that are
+                              free */
 };
 
 typedef struct hk_correction {

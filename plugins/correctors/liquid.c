@@ -2,12 +2,13 @@
  * velocities that its forces have given to the particles go to a grid, pressure takes away their divergence there, and
  * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
  * all channels stay on the particles. The box's faces are walls; obstacles of the scene are walls that cover
- * parts of faces, at rest or moving. Without a viscosity they have no friction.
+ * parts of faces, at rest or moving. Without a viscosity they have no friction. Rigid bodies that are free are walls
+ * whose motion is solved for with the pressure (plugins/common/liquid/couple.h): they float, sink and are carried.
  *
- * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles move
- * the liquid, and the liquid does not move them, nor anything else; walls
- * thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so
- * the energy balance of such a run is not either. */
+ * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles, and
+ * bodies that are held, move the liquid, and the liquid does not move them, nor cloth; walls thinner than two cells
+ * leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the energy balance of
+ * such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/viscosity.h"
@@ -23,6 +24,7 @@ typedef struct liquid {
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
   double *full;   /* n */
   hk_array guess; /* m^2/s, the last pressure, on the grid */
+  hk_array force; /* of bodies x 6, hk_liquid_bodies */
   double reached; /* s, the end of the last step */
   double longest; /* s, of the steps */
   double off;     /* by which the density within was off, at most */
@@ -85,6 +87,7 @@ static const hk_field fields[] = {
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
     {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
+    {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
     {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
     {"off", .number = HK_AT(liquid, off)},
@@ -184,6 +187,7 @@ static void warn_of_births(const liquid *s, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
   hk_status status = choose(s, view);
+  hk_liquid_bodies_topology(&s->method.bodies);
   if (status == HK_OK) warn_of_births(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
 }
@@ -210,6 +214,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
   if (status == HK_OK && s->viscosity > 0) status = host->resize(host, &s->second, m->grid.size);
+  if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
+  if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
@@ -305,11 +311,14 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double *after = s->affine + (s->slot ? 9 : 0);
   p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
+  m->bodies.force = s->force.item;
+  hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
+  if (status != HK_OK) return status;
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
   hk_liquid_find_surface(m);
-  hk_status status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
+  status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
   if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
   if (status == HK_OK && s->viscosity > 0) status = hk_liquid_shear(m, &s->viscous, c->h);
   if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
@@ -317,8 +326,9 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
+  bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
   hk_liquid_move(m, &p, c->h);
-  c->changed = changed(s, c);
+  c->changed = moved || changed(s, c);
   s->off = fmax(s->off, fabs(density_off(s)));
   s->left = fmax(s->left, m->left * c->h);
   s->pace.passed = fmax(s->pace.passed, courant);
@@ -353,7 +363,7 @@ static double violation(void *self, const hk_view *view) {
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
-                                       .flags = HK_WANTS_BEFORE | HK_MAY_REJECT,
+                                       .flags = HK_WANTS_BEFORE | HK_MAY_REJECT | HK_TAKES_SKINS,
                                        .correct = correct,
                                        .violation = violation,
                                        .longest_step = longest_step,
@@ -368,7 +378,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
         "Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method; Bridson 2015, Fluid "
         "simulation for computer graphics, chapters 5 to 7; Batty and Bridson 2008, Accurate viscous free surfaces; "
         "Kang, Fedkiw, Liu 2000, A boundary condition capturing method; Kugelstadt et al. 2019, Implicit density "
-        "projection",
+        "projection; Batty, Bertails, Bridson 2007, A fast variational framework for accurate solid-fluid coupling",
     .instance_size = sizeof(liquid),
     .params = params,
     .fields = fields,

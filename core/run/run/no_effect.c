@@ -302,7 +302,7 @@ static void warn_of_bodies(hk_run *run) {
     bool takes = spec->plugin->corrector->flags & HK_TAKES_BODIES;
     if (takes && !said) warn_without_surface(run, spec);
     said |= takes;
-    if (takes) continue;
+    if (takes || spec->plugin->corrector->flags & HK_TAKES_SKINS) continue;
     hk_warn(&run->warnings,
             "%s%s%s does not know rigid bodies: it moves their particles one by one, and takes their points for "
             "immovable; let a force act on points of the bodies instead",

@@ -1,8 +1,9 @@
-/* Preconditioned conjugate gradients on a symmetric positive definite block matrix: Hestenes and Stiefel 1952, J. Res.
- * NBS 49. Results are bitwise equal for any number of threads if those of the preconditioner are. */
+/* Preconditioned conjugate gradients (gradients_loop.h) on a symmetric positive definite block matrix. Results are
+ * bitwise equal for any number of threads if those of the preconditioner are. */
 #ifndef HK_CONJUGATE_GRADIENTS_H
 #define HK_CONJUGATE_GRADIENTS_H
 
+#include "plugins/common/gradients/gradients_loop.h"
 #include "plugins/common/linear/upper_matrix.h"
 
 typedef struct hk_gradients_system {
@@ -19,10 +20,9 @@ typedef struct hk_gradients {
   size_t rows, block;                /* of the pattern that was analysed; 0: none was */
   bool ready;                        /* A has numbers, and the preconditioner those of A: set by the caller */
   const hk_gradients_system *system; /* during a solution */
-  size_t unknowns, chunks;
-  double *vectors; /* x, r, z, p, q, each of `unknowns` doubles and some padding */
-  double *x, *r, *z, *p, *q;
-  double *part; /* chunks x 2 */
+  hk_gradients_loop loop;
+  double *vectors; /* x, r, z, p, q, each of the unknowns and some padding */
+  double *whole;   /* of chunks: b.b */
 } hk_gradients;
 
 /* Takes the pattern of A. HK_NO_MEMORY, HK_FAILED (more blocks than 32-bit numbers count), with a message. */

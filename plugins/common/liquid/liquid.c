@@ -7,8 +7,14 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
   l->most = most;
   if (!l->start) {
     l->start = host->allocate(host, (l->grid.size + 1) * sizeof *l->start);
-    if (hk_pressure_open(&l->pressure, host, cells) != HK_OK || !l->start)
+    if (hk_pressure_open(&l->pressure, host, &l->grid) != HK_OK || !l->start)
       return host->fail(host, HK_NO_MEMORY, "no memory for the pressure of %zu cells: take larger ones", cells);
+  }
+  if (l->bodies.count && !l->pressure.walls.body) {
+    hk_moving_walls *walls = &l->pressure.walls;
+    walls->bodies = l->bodies.count;
+    walls->body = host->allocate(host, walls->bodies * sizeof *walls->body);
+    if (!walls->body) return host->fail(host, HK_NO_MEMORY, "no memory for %zu bodies in a liquid", walls->bodies);
   }
   host->release(host, l->sorted);
   host->release(host, l->cell);

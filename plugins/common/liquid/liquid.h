@@ -9,6 +9,7 @@
 #ifndef HK_LIQUID_H
 #define HK_LIQUID_H
 
+#include "plugins/common/liquid/bodies.h"
 #include "plugins/common/liquid/liquid_grid.h"
 #include "plugins/common/liquid/pressure.h"
 #include "plugins/common/obstacles/obstacle.h"
@@ -32,6 +33,7 @@ typedef struct hk_liquid {
   hk_liquid_grid grid;
   hk_pressure pressure;
   const hk_obstacle_set *obstacles; /* NULL: none */
+  hk_liquid_bodies bodies;
   hk_liquid_transfer transfer;
   double density;     /* kg/m^3 */
   double flip;        /* of FLIP: the part of the particle's own velocity that is kept */
@@ -89,5 +91,11 @@ double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
 size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);
+/* The part of the way from the centre of a cell of the liquid to that of one beyond the surface where the surface is.
+ */
+double hk_liquid_part_to_surface(const hk_liquid_grid *, size_t in, size_t out);
+/* The slope of the pressure (by density and step, m/s) across the face of component c below cell i; the surface's
+ * pressure is zero. */
+double hk_liquid_slope(const hk_liquid *, int c, size_t i);
 
 #endif

@@ -92,6 +92,14 @@ static inline double hk_liquid_value(const hk_liquid_grid *g, const double *arra
   return v0 + f[2] * (v1 - v0);
 }
 
+/* m: the centre of face i of component c. */
+static inline void hk_liquid_face_place(const hk_liquid_grid *g, size_t i, int c, double x[3]) {
+  for (int a = 0; a < 3; a++) {
+    size_t at = i / g->stride[a] % (g->cells[a] + 2);
+    x[a] = g->flat[a] ? g->low[a] : g->low[a] + g->spacing[a] * ((double)at - (a == c ? 1 : 0.5));
+  }
+}
+
 /* Cells behind each other in memory. */
 typedef struct hk_liquid_row {
   size_t cell[3]; /* numbers of its first cell */

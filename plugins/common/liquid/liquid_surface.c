@@ -1,6 +1,8 @@
 /* Where the liquid is: filled parts of cells, and the free surface between them. */
 #include "plugins/common/liquid/liquid.h"
 
+static const double nearest = 0.01; /* of the way between two centres: the surface is no nearer to one of them */
+
 /* Beside a flat surface at the distance s (in cells, negative in the liquid) the kernel 1 - |s| about a centre covers
  * the part 1/2 - s + s |s|/2 of liquid; this is the inverse. */
 static double depth_of(double part) {
@@ -93,4 +95,19 @@ void hk_liquid_find_surface(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, l);
   number_cells(l);
   measure_density(l);
+}
+
+double hk_liquid_part_to_surface(const hk_liquid_grid *g, size_t in, size_t out) {
+  double a = g->distance[in], b = g->distance[out];
+  return fmax(nearest, fmin(1, b > 0 ? a / (a - b) : 1));
+}
+
+double hk_liquid_slope(const hk_liquid *l, int c, size_t i) {
+  const hk_liquid_grid *g = &l->grid;
+  size_t below = i - g->stride[c];
+  uint32_t a = g->unknown[below], b = g->unknown[i];
+  if (a != HK_LIQUID_NONE && b != HK_LIQUID_NONE) return (l->pressure.x[b] - l->pressure.x[a]) / g->spacing[c];
+  if (b != HK_LIQUID_NONE) return l->pressure.x[b] / (hk_liquid_part_to_surface(g, i, below) * g->spacing[c]);
+  if (a != HK_LIQUID_NONE) return -l->pressure.x[a] / (hk_liquid_part_to_surface(g, below, i) * g->spacing[c]);
+  return 0;
 }

@@ -3,18 +3,40 @@
 
 static const double least_open = 1e-3, least_room = 0.05;
 
-/* m, of a point to the nearest obstacle; *nearest may be NULL. */
-static double distance_at(const hk_obstacle_set *set, const double x[3], const hk_obstacle **nearest) {
+/* The solid that is nearest to a point. */
+typedef struct nearest_solid {
+  const hk_obstacle *obstacle; /* NULL: none */
+  uint16_t body;               /* from 1, and then it is no obstacle; 0: none */
+} nearest_solid;
+
+static bool has_solids(const hk_liquid *l) { return l->obstacles || l->bodies.count > 0; }
+
+/* m, of a point to the nearest body, if that is nearer than `least`. */
+static double distance_to_bodies(const hk_liquid *l, const double x[3], double least, nearest_solid *nearest) {
+  const double *s = l->grid.spacing, near = s[0] + s[1] + s[2];
+  for (size_t k = 0; k < l->bodies.count; k++) {
+    double n[3], d = l->bodies.body[k].present ? hk_liquid_body_distance(&l->bodies.body[k], x, near, n) : INFINITY;
+    if (!(d < least)) continue;
+    least = d;
+    *nearest = (nearest_solid){NULL, (uint16_t)(k + 1)};
+  }
+  return least;
+}
+
+/* m, of a point to the nearest solid. */
+static double distance_at(const hk_liquid *l, const double x[3], nearest_solid *nearest) {
+  const hk_obstacle_set *set = l->obstacles;
   double least = INFINITY;
-  for (size_t k = 0; k < set->count; k++) {
+  *nearest = (nearest_solid){NULL, 0};
+  for (size_t k = 0; set && k < set->count; k++) {
     double p[3], n[3];
     hk_body_point(&set->member[k]->motion.end, x, p);
     double d = hk_shape_distance(&set->member[k]->shape, p, n);
     if (!(d < least)) continue;
     least = d;
-    if (nearest) *nearest = set->member[k];
+    nearest->obstacle = set->member[k];
   }
-  return least;
+  return distance_to_bodies(l, x, least, nearest);
 }
 
 /* The part of a triangle where the linear function with these values at its corners is positive. */
@@ -67,20 +89,38 @@ static void corner_rows(void *context, size_t begin, size_t end, size_t piece) {
     const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
     for (size_t i = row.first; i <= row.first + g->cells[hk_liquid_inner(g)]; i++) {
       double x[3];
+      nearest_solid nearest = {NULL, 0};
       point_of(g, &row, i, -1, x);
-      g->solid[i] = l->obstacles ? distance_at(l->obstacles, x, NULL) : INFINITY;
+      g->solid[i] = has_solids(l) ? distance_at(l, x, &nearest) : INFINITY;
+      if (l->bodies.count) l->bodies.beside[i] = nearest.body;
     }
   }
 }
 
+/* The body, from 1, that covers a part of the face of component c of cell i, by its deepest corner; 0: none does. */
+static uint16_t owner_of(const hk_liquid *l, size_t i, int c) {
+  const hk_liquid_grid *g = &l->grid;
+  size_t s = g->stride[c == 0 ? 1 : 0], t = g->stride[c == 2 ? 1 : 2], deepest = i;
+  const size_t corner[3] = {i + s, i + t, i + s + t};
+  for (int k = 0; k < 3; k++)
+    if (g->solid[corner[k]] < g->solid[deepest]) deepest = corner[k];
+  return l->bodies.beside[deepest];
+}
+
+/* m/s, of the solid that covers a part of the face. */
 static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
-  const hk_obstacle *nearest = NULL;
+  uint16_t owner = l->bodies.count ? l->bodies.owner[c][i] : 0;
+  nearest_solid nearest;
   double x[3], u[3];
   static const double rest[3];
   point_of(&l->grid, row, i, c, x);
-  distance_at(l->obstacles, x, &nearest);
-  if (!nearest) return 0;
-  hk_body_move(&nearest->motion.end, x, rest, u);
+  if (owner) {
+    hk_liquid_body_velocity(&l->bodies.body[owner - 1], x, u);
+    return u[c];
+  }
+  distance_at(l, x, &nearest);
+  if (!nearest.obstacle) return 0;
+  hk_body_move(&nearest.obstacle->motion.end, x, rest, u);
   return u[c];
 }
 
@@ -93,7 +133,8 @@ static void face_rows(void *context, size_t begin, size_t end, size_t piece) {
     for (size_t i = row.first; i < row.first + g->cells[hk_liquid_inner(g)]; i++)
       for (int c = 0; c < 3; c++) {
         bool box = hk_liquid_on_box(g, &row, i, c);
-        g->open[c][i] = box ? 0 : l->obstacles ? open_part(g, i, c) : 1;
+        g->open[c][i] = box ? 0 : has_solids(l) ? open_part(g, i, c) : 1;
+        if (l->bodies.count) l->bodies.owner[c][i] = box || g->open[c][i] == 1 ? 0 : owner_of(l, i, c);
         g->wall[c][i] = box || g->open[c][i] == 1 ? 0 : wall_speed(l, &row, i, c);
       }
   }
@@ -129,12 +170,12 @@ static void find_room(hk_liquid *l) {
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
   for (size_t k = 0; k < rows; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
-    for (size_t i = first; i < first + length; i++) g->distance[i] = l->obstacles ? open_cell(g, i) : 1;
+    for (size_t i = first; i < first + length; i++) g->distance[i] = has_solids(l) ? open_cell(g, i) : 1;
   }
   weigh(g, 0, g->distance, g->room);
   weigh(g, 1, g->room, g->distance);
   weigh(g, 2, g->distance, g->room);
-  for (size_t k = 0; k < rows && l->obstacles; k++) {
+  for (size_t k = 0; k < rows && has_solids(l); k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + length; i++)
       if (open_cell(g, i) <= 0.5) g->room[i] = -fmax(g->room[i], least_room);
@@ -142,7 +183,7 @@ static void find_room(hk_liquid *l) {
 }
 
 void hk_liquid_walls(hk_liquid *l) {
-  bool still = true;
+  bool still = l->bodies.count == 0;
   for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) still &= l->obstacles->member[k]->motion.still;
   if (l->walled && still && l->stood) return;
   l->walled = true;

@@ -100,12 +100,23 @@ static void along(const double x[3], double h, const double u[3], double to[3]) 
   for (int c = 0; c < 3; c++) to[c] = x[c] + h * u[c];
 }
 
-/* Out of obstacles along their normals, then into the box. */
+/* m, of a point to body k; n: its outward normal, where it is inside. */
+static double body_gap(const hk_liquid *l, size_t k, const double x[3], double n[3]) {
+  const hk_liquid_body *b = &l->bodies.body[k];
+  const double at[3] = {x[0], x[1], x[2]};
+  return b->present ? hk_liquid_body_distance(b, at, 0, n) : INFINITY;
+}
+
+/* Out of obstacles and bodies along their normals, then into the box. */
 static void keep(const hk_liquid *l, size_t i, double x[3]) {
   const hk_liquid_grid *g = &l->grid;
   for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) {
     const hk_obstacle *o = l->obstacles->member[k];
     double n[3], gap = hk_obstacle_gap(o, &o->motion.end, x, i, n);
+    for (int c = 0; c < 3 && gap < 0; c++) x[c] -= gap * n[c];
+  }
+  for (size_t k = 0; k < l->bodies.count; k++) {
+    double n[3], gap = body_gap(l, k, x, n);
     for (int c = 0; c < 3 && gap < 0; c++) x[c] -= gap * n[c];
   }
   for (int c = 0; c < 3; c++) {
@@ -144,12 +155,11 @@ void hk_liquid_move(hk_liquid *l, const hk_liquid_particles *p, double h) {
 /* m, how far particle i at x is beyond a wall; 0 or less: it is not. */
 static double beyond_wall(const hk_liquid *l, size_t i, const double x[3]) {
   const hk_liquid_grid *g = &l->grid;
-  double most = -INFINITY;
+  double most = -INFINITY, n[3];
   for (int c = 0; c < 3; c++) most = fmax(most, fmax(g->low[c] - x[c], x[c] - g->high[c]));
-  for (size_t o = 0; l->obstacles && o < l->obstacles->count; o++) {
-    double n[3];
+  for (size_t o = 0; l->obstacles && o < l->obstacles->count; o++)
     most = fmax(most, -hk_obstacle_gap(l->obstacles->member[o], &l->obstacles->member[o]->motion.end, x, i, n));
-  }
+  for (size_t b = 0; b < l->bodies.count; b++) most = fmax(most, -body_gap(l, b, x, n));
   return most;
 }
 

@@ -1,22 +1,15 @@
 /* The projection of a liquid's velocities, and the displacement that evens its density: the same matrix with two
  * right-hand sides. */
-#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/liquid/couple.h"
 
 #include <string.h>
 
 enum { GRAIN = 2048 };
 
-static const double nearest = 0.01;      /* of the way between two centres: the surface is no nearer to one of them */
 static const double even_to = 1e-3;      /* the residual of the displacement, which is small itself */
 static const double least_excess = 1e-7; /* is not evened */
 static const double at_once = 0.25;      /* of what the density is off, in a longest step */
 static const double most_push = 0.1;     /* of a cell */
-
-/* The part of the way from a cell of the liquid to one beyond the surface where the surface is. */
-static double part_to_surface(const hk_liquid_grid *g, size_t in, size_t out) {
-  double a = g->distance[in], b = g->distance[out];
-  return fmax(nearest, fmin(1, b > 0 ? a / (a - b) : 1));
-}
 
 static void row_of(hk_liquid *l, size_t k) {
   const hk_liquid_grid *g = &l->grid;
@@ -31,8 +24,9 @@ static void row_of(hk_liquid *l, size_t k) {
     p->prior[c][k] = before > 0 && prior != HK_LIQUID_NONE ? prior : (uint32_t)p->rows;
     p->next[c][k] = after > 0 && next != HK_LIQUID_NONE ? next : (uint32_t)p->rows;
     p->side[c][k] = p->next[c][k] < p->rows ? after : 0;
-    if (before > 0) p->diagonal[k] += prior == HK_LIQUID_NONE ? before / part_to_surface(g, i, i - s) : before;
-    if (after > 0) p->diagonal[k] += next == HK_LIQUID_NONE ? after / part_to_surface(g, i, i + s) : after;
+    if (before > 0)
+      p->diagonal[k] += prior == HK_LIQUID_NONE ? before / hk_liquid_part_to_surface(g, i, i - s) : before;
+    if (after > 0) p->diagonal[k] += next == HK_LIQUID_NONE ? after / hk_liquid_part_to_surface(g, i, i + s) : after;
   }
 }
 
@@ -80,18 +74,6 @@ static void fill_gaps(hk_liquid *l) {
     }
 }
 
-/* The difference of a pressure's values across the face of component c below cell i, by the spacing; the surface's is
- * zero. */
-static double slope_across(const hk_liquid *l, int c, size_t i) {
-  const hk_liquid_grid *g = &l->grid;
-  size_t below = i - g->stride[c];
-  uint32_t a = g->unknown[below], b = g->unknown[i];
-  if (a != HK_LIQUID_NONE && b != HK_LIQUID_NONE) return (l->pressure.x[b] - l->pressure.x[a]) / g->spacing[c];
-  if (b != HK_LIQUID_NONE) return l->pressure.x[b] / (part_to_surface(g, i, below) * g->spacing[c]);
-  if (a != HK_LIQUID_NONE) return -l->pressure.x[a] / (part_to_surface(g, below, i) * g->spacing[c]);
-  return 0;
-}
-
 typedef struct task {
   hk_liquid *l;
   double part; /* of the displacement; 0: velocities change */
@@ -109,7 +91,7 @@ static void act_rows(void *context, size_t begin, size_t end, size_t piece) {
     for (size_t i = row.first; i < row.first + length; i++)
       for (int c = 0; c < 3; c++) {
         bool open = g->open[c][i] > 0;
-        double slope = open ? slope_across(t->l, c, i) : 0;
+        double slope = open ? hk_liquid_slope(t->l, c, i) : 0;
         if (t->part > 0) {
           double push = -at_once * t->part * slope, most = most_push * g->spacing[c];
           g->push[c][i] = fmax(-most, fmin(most, push));
@@ -140,8 +122,10 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   hk_liquid_grid *g = &l->grid;
   hk_pressure *p = &l->pressure;
   fill_gaps(l);
+  hk_status status = hk_liquid_couple(l);
+  if (status != HK_OK) return status;
   l->host->parallel_for(l->host, p->rows, GRAIN, rows_piece, l);
-  hk_pressure_factorize(p);
+  hk_pressure_prepare(p);
   for (size_t k = 0; k < p->rows; k++) {
     p->b[k] = -divergence(g, p->cell[k]);
     p->x[k] = guess[p->cell[k]];
@@ -154,6 +138,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
         p->rows, l->tolerance, p->iterations);
   memset(guess, 0, g->size * sizeof *guess);
   for (size_t k = 0; k < p->rows; k++) guess[p->cell[k]] = p->x[k];
+  hk_liquid_react(l);
   act(l, 0);
   l->left = hk_liquid_divergence(l);
   return HK_OK;
@@ -178,6 +163,7 @@ static double excess(const hk_liquid *l, size_t k) {
 
 hk_status hk_liquid_even(hk_liquid *l, double part) {
   hk_pressure *p = &l->pressure;
+  hk_moving_walls_clear(&p->walls); /* bodies stand */
   for (size_t k = 0; k < p->rows; k++) {
     p->b[k] = fmax(-0.5, fmin(0.5, excess(l, k)));
     p->x[k] = 0;
