@@ -116,6 +116,7 @@ static bool is_inside(const search *s, const solid *b, const double p[3]) {
 /* m, the distance to the surface; *nearest: a particle of the triangle there. */
 static double depth_in(const search *s, const solid *b, const double p[3], uint32_t *nearest) {
   double least = INFINITY;
+  *nearest = s->mesh->triangle[s->triangle[b->first].index][0];
   for (size_t k = b->first; k < b->first + b->count; k++) {
     const uint32_t *t = s->mesh->triangle[s->triangle[k].index];
     double x[12];
