@@ -62,7 +62,7 @@ static void the_dominoes_fall(void **state) {
 /* Friction alone holds the wall until the ball comes; then bricks leave their places, and energy goes. */
 static void the_ball_breaks_the_wall(void **state) {
   (void)state;
-  test_scene(&r, "bricks", "rows=2 columns=1 duration=0.04 speed=0");
+  test_scene(&r, "bricks", "rows=2 columns=1 duration=0.1 --until 0.04 speed=0");
   near("displaced", 0, 0);
   test_scene(&r, "bricks", "rows=2 columns=1 --until 0");
   double before = test_json(r.out, "energy of the bricks");
