@@ -59,6 +59,19 @@ static void the_dominoes_fall(void **state) {
     fail_msg("the energy is %g of %g J", test_json(r.out, "energy of the row"), before);
 }
 
+/* Friction alone holds the wall until the ball comes; then bricks leave their places, and energy goes. */
+static void the_ball_breaks_the_wall(void **state) {
+  (void)state;
+  test_scene(&r, "bricks", "rows=2 columns=1 duration=0.1 --until 0.04 speed=0");
+  near("displaced", 0, 0);
+  test_scene(&r, "bricks", "rows=2 columns=1 --until 0");
+  double before = test_json(r.out, "energy of the bricks");
+  test_scene(&r, "bricks", "rows=2 columns=1 duration=0.12");
+  near("intersections", 0, 0);
+  if (!(test_json(r.out, "displaced") >= 1)) fail_msg("%g bricks are displaced", test_json(r.out, "displaced"));
+  if (!(test_json(r.out, "energy of the bricks") < before)) fail_msg("the energy rises from %g J", before);
+}
+
 /* 5/7 of 6 m/s at 0.87 s, before the first pin; then something falls, and nothing passes. */
 static void the_bowling_ball_rolls_and_hits(void **state) {
   (void)state;
@@ -83,6 +96,7 @@ int main(void) {
       cmocka_unit_test(the_handle_turns_over),
       cmocka_unit_test(the_gyroscope_goes_round),
       cmocka_unit_test(the_dominoes_fall),
+      cmocka_unit_test(the_ball_breaks_the_wall),
       cmocka_unit_test(the_bowling_ball_rolls_and_hits),
       cmocka_unit_test(balls_go_round_on_the_turntable),
   };

@@ -23,6 +23,9 @@ static const double finer = 1e-3;
 /* Of the distance at which an impact's features touch: what it moves in a step at most, as of stacks at rest. */
 static const double resting = 0.01;
 
+/* Of the tolerance. */
+static const double polished = 1e-3;
+
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
   s->bodies = host->query(host, "bodies/1");
@@ -183,6 +186,13 @@ static hk_status newton(const sweeping *w, bool *solved) {
   return hk_body_newton(w->bodies, w->solver, &task, solved);
 }
 
+/* What sweeps leave would add up to a creep of what lies still: Newton's iteration leaves less, where it gets there. */
+static hk_status polish(const sweeping *w) {
+  const hk_body_newton_task task = {w->speeds, false, polished * w->tolerance, w->y};
+  bool solved;
+  return all_rest(w) && !w->bodies->moments ? hk_body_newton(w->bodies, w->solver, &task, &solved) : HK_OK;
+}
+
 static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
   hk_status status = HK_OK;
   w->moved = true;
@@ -198,7 +208,8 @@ static hk_status sweep_all(sweeping *w, size_t *sweeps) {
   do {
     status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
     bool solved = false;
-    if (status != HK_OK || !w->moved) return status;
+    if (status == HK_OK && !w->moved) return polish(w);
+    if (status != HK_OK) return status;
     if (w->failed < NEWTONS) status = newton(w, &solved);
     w->failed += !solved;
     for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;

@@ -7,7 +7,7 @@
  * equations, whose solution it leaves as it is. */
 #include "plugins/common/contact/bodies/body_newton.h"
 #include "plugins/common/contact/bodies/body_contact_law.h"
-#include "plugins/common/contact/bodies/cone_program.h"
+#include "plugins/common/cones/cone_program.h"
 #include "plugins/common/contact/bodies/impact_response.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"

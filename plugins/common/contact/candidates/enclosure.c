@@ -134,7 +134,7 @@ static bool try_part(const search *s, const owned *point, size_t count, const so
   for (size_t k = 0; k < count; k++)
     if (!is_inside(s, b, s->x + 3 * (size_t)point[k].index)) return false;
   for (size_t k = 0; k < count; k++) {
-    uint32_t nearest;
+    uint32_t nearest = point[k].index;
     double depth = depth_in(s, b, s->x + 3 * (size_t)point[k].index, &nearest);
     if (out->found && depth <= out->depth) continue;
     *out = (hk_enclosure){true, point[k].index, nearest, depth};

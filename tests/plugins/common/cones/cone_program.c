@@ -1,7 +1,7 @@
 /* Convex programs of impacts against systems by hand: a table on four feet, which three would hold, a block that is
  * pushed along the floor below and above its friction. The program has 1e-7 of the diagonal added to the matrix, which
  * is what it may be off. */
-#include "plugins/common/contact/bodies/cone_program.h"
+#include "plugins/common/cones/cone_program.h"
 
 #include <math.h>
 #include <setjmp.h>

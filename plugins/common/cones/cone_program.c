@@ -3,7 +3,7 @@
  * = P(-u)/R. f is convex and piecewise nearly quadratic, so that Newton's iteration, (R + P' D) dy = -(R y - P), with a
  * search for the least f along dy finds it from anywhere (Todorov 2014, Convex and analytically-invertible dynamics
  * with contacts and constraints, ICRA, section III). */
-#include "plugins/common/contact/bodies/cone_program.h"
+#include "plugins/common/cones/cone_program.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,6 +22,8 @@ typedef struct work {
   double regular;
   double *y, *u, *du, *P, *rhs, *shifted; /* size */
 } work;
+
+static double size_of(double a, double b) { return sqrt(a * a + b * b); }
 
 static size_t unknowns(const hk_cone_program *p, size_t k) { return p->mu[k] > 0 ? 3 : 1; }
 
@@ -61,7 +63,7 @@ bool hk_eliminate(double *A, double *rhs, size_t n) {
 static void project(const double *u, size_t unknowns, double mu, double P[3], double *J) {
   double w[3] = {-u[0], 0, 0}, across = 0;
   if (J) memset(J, 0, 9 * sizeof *J);
-  for (size_t c = 1; c < unknowns; c++) w[c] = -u[c], across = hypot(across, w[c]);
+  for (size_t c = 1; c < unknowns; c++) w[c] = -u[c], across = size_of(across, w[c]);
   bool inside = unknowns == 1 ? w[0] > 0 : across <= mu * w[0], outside = unknowns == 1 || mu * across <= -w[0];
   for (size_t c = 0; c < unknowns; c++) {
     P[c] = inside ? w[c] : 0;
@@ -181,7 +183,7 @@ static double slide_on(const work *w, double *u_0) {
   for (size_t k = 0; k < p->count; k++) {
     size_t i = p->first[k];
     if (unknowns(p, k) == 1) continue;
-    double next = p->u_0[i] + p->mu[k] * hypot(w->u[i + 1] + p->u_0[i + 1], w->u[i + 2] + p->u_0[i + 2]);
+    double next = p->u_0[i] + p->mu[k] * size_of(w->u[i + 1] + p->u_0[i + 1], w->u[i + 2] + p->u_0[i + 2]);
     most = fmax(most, fabs(next - u_0[i]));
     u_0[i] = next;
   }
