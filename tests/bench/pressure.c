@@ -2,7 +2,7 @@
  * above, where the surface is half a cell over the centres, to a residual of 1e-6 (largest numbers). With incomplete
  * factors and with the V-cycle: iterations, and time for each cell with all that is made anew in a step, the least of
  * turns, in one thread. Beside them conjugate gradients of scipy on the same matrix, where python3 has it. */
-#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/mac_grid/pressure.h"
 #include "tests/support/solver_matrix.h"
 
 #include <stdio.h>

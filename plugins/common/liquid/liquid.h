@@ -10,8 +10,8 @@
 #define HK_LIQUID_H
 
 #include "plugins/common/liquid/bodies.h"
-#include "plugins/common/liquid/liquid_grid.h"
-#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/mac_grid/liquid_grid.h"
+#include "plugins/common/mac_grid/pressure.h"
 #include "plugins/common/obstacles/obstacle.h"
 
 typedef enum hk_liquid_transfer { HK_LIQUID_APIC, HK_LIQUID_FLIP, HK_LIQUID_PIC } hk_liquid_transfer;

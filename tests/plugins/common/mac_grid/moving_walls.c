@@ -1,6 +1,6 @@
 /* What bodies add to the pressure's matrix: the product is that of rho V G M^-1 G^T written out, symmetric and
  * positive, and with it the pressure of a cell between a wall and a piston is that of a closed form. */
-#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/mac_grid/pressure.h"
 #include "tests/support/solver_matrix.h"
 
 #include <setjmp.h>

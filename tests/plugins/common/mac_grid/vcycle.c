@@ -1,7 +1,7 @@
 /* The V-cycle of a liquid's pressure, by what conjugate gradients make of it: the solution is that of the incomplete
  * factors, iterations do not grow with the size, walls inside and a box without a surface do no harm, threads do not
  * change bits, and what is not finite is no solution. */
-#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/mac_grid/pressure.h"
 #include "tests/support/solver_matrix.h"
 
 #include <setjmp.h>

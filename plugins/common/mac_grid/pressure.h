@@ -6,9 +6,9 @@
 #define HK_PRESSURE_H
 
 #include "plugins/common/gradients/gradients_loop.h"
-#include "plugins/common/liquid/liquid_grid.h"
-#include "plugins/common/liquid/moving_walls.h"
-#include "plugins/common/liquid/vcycle.h"
+#include "plugins/common/mac_grid/liquid_grid.h"
+#include "plugins/common/mac_grid/moving_walls.h"
+#include "plugins/common/mac_grid/vcycle.h"
 
 /* AUTO: by the number of cells. */
 typedef enum hk_pressure_way { HK_PRESSURE_AUTO, HK_PRESSURE_FACTORS, HK_PRESSURE_VCYCLE } hk_pressure_way;

@@ -1,6 +1,6 @@
 /* The arrays of a liquid's grid. */
-#include "plugins/common/liquid/liquid_grid.h"
-#include "plugins/common/liquid/vcycle.h"
+#include "plugins/common/mac_grid/liquid_grid.h"
+#include "plugins/common/mac_grid/vcycle.h"
 
 #include <string.h>
 

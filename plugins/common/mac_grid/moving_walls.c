@@ -1,5 +1,5 @@
 /* See moving_walls.h. Walls are few beside cells: one thread takes them in order. */
-#include "plugins/common/liquid/moving_walls.h"
+#include "plugins/common/mac_grid/moving_walls.h"
 #include "plugins/kit/vector3.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* See vcycle.h. Loops go over rows of cells, and in a row from its first cell of the liquid to its last. */
-#include "plugins/common/liquid/vcycle.h"
+#include "plugins/common/mac_grid/vcycle.h"
 
 #include <string.h>
 

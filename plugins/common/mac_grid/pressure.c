@@ -1,5 +1,5 @@
 /* The matrix of the pressure, its preconditioners and its solution. */
-#include "plugins/common/liquid/pressure.h"
+#include "plugins/common/mac_grid/pressure.h"
 
 #include <string.h>
 
