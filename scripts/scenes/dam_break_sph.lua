@@ -1,16 +1,16 @@
 -- dam_break_sph.lua: the collapsing column of dam_break.lua by particles alone: the force `sph`, an energy of compression,
 -- between walls of particles, so that nothing but the speed of sound c keeps the volume (a percent at ten times the fastest
--- flow). method = "grid" is the corrector `liquid` on the same particles, for comparison.
+-- flow). method = "incompressible" is that corrector (DFSPH), "grid" the corrector `liquid` on the same particles.
 local a = param("a", 0.5, "width of the column, m", { min = 0.05 })
 local n = param("n", 16, "particles on that width", { min = 4 })
 local depth = param("depth", 0, "of the tank, m; 0: a plane", { min = 0 })
-local method = param("method", "sph", "sph or grid")
+local method = param("method", "sph", "sph, incompressible or grid")
 local seconds = param("seconds", 1.2, "to simulate", { min = 0.1 })
 
 local dx, g, density = a / n, 9.81, 1000
 local c = 10 * math.sqrt(2 * g * 2 * a)
 local scene = hooke.scene { duration = seconds, fps = 60, integrator = method == "sph" and "leapfrog" or "symplectic_euler",
-  dt = method == "grid" and 0.3 * dx or nil }
+  dt = method ~= "sph" and (method == "grid" and 0.3 or 0.08) * dx or nil }
 
 -- Particles at the middles of cubes of the lattice between two corners; returns their ids.
 local function fill(group, low, high)
@@ -47,7 +47,11 @@ else
     for name, value in pairs(common) do more[name] = value end
     return more
   end
-  scene:force("sph", with { c = c })
+  if method == "sph" then
+    scene:force("sph", with { c = c })
+  else
+    scene:corrector("incompressible", with {})
+  end
   scene:force("viscosity", with { mu = 0.02 * density * c * dx, slip = true }) -- as Monaghan's alpha of 0.2
 end
 

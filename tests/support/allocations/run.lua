@@ -75,6 +75,7 @@ local cases = {
   { "part=rope --integrator leapfrog" }, { "part=winds --integrator rk4" }, { "part=grains --integrator leapfrog" },
   { "part=sheet --integrator leapfrog" }, { "part=hair --integrator bdf2" }, { "part=links --integrator leapfrog" },
   { "part=water --integrator symplectic_euler" },
+  { "part=drops --integrator symplectic_euler" },
   { "part=solid --integrator backward_euler" }, { "part=rope --integrator backward_euler --solver umfpack" },
   { "part=rope --integrator backward_euler --solver cholmod" }, { "part=rope --integrator backward_euler --solver pcg" },
   { "part=rope --integrator arkode", crashes = "arkode" }, { "part=rope --integrator cvode", crashes = "cvode" },

@@ -74,6 +74,12 @@ function parts.water(scene)
   scene:corrector("liquid", { low = { 0, 0, 0 }, high = { 0.8, 0, 0.4 }, cell = 0.2 })
 end
 
+function parts.drops(scene)
+  scene:particles { positions = { { 0, 0, 0.1 }, { 0.1, 0, 0.1 }, { 0, 0.1, 0.1 } }, mass = 1 }
+  scene:force("gravity", {})
+  scene:corrector("incompressible", { spacing = 0.1 })
+end
+
 function parts.hair(scene)
   local hair = scene:strand { n = 4, from = { 0, 0, 0 }, to = { 1, 0, 0 }, mass = 0.1 }
   scene:force("rods", { edges = hair:edges(), EI = 0.01, GJ = 0.01 })
