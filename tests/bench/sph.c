@@ -1,5 +1,5 @@
-/* The plugins of a liquid by particles: the time of an evaluation of sph and of viscosity per particle, of rows that are
- * there, and of ten iterations of incompressible, on lattices shaken by a tenth of their spacing. Times are the
+/* The plugins of a liquid by particles: the time of an evaluation of sph and of viscosity per particle, of rows that
+ * are there, and of ten iterations of incompressible, on lattices shaken by a tenth of their spacing. Times are the
  * processor's, the least of repeats. */
 #include "tests/support/force_check.h"
 
