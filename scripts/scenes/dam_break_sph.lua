@@ -69,7 +69,8 @@ scene:measure("height", function(s) -- of the centre of mass, by that of water a
   return z / #water / (a / 4)
 end)
 if depth > 0 then
-  scene:output("frames", { surface = 0.5 * dx, surface_of = "water", surface_look = "water", particles = "off",
+  scene:output("frames", { surface = 0.5 * dx, surface_of = "water", surface_look = "water", particles = "off", color = "none",
+    surface_absorption = { 3, 0.8, 0.4 },
     from = { 5 * a, -6 * a, 3 * a }, look_at = { 1.8 * a, 0.5 * depth, 0.6 * a }, ground_height = 0 })
 else
   scene:output("frames", { color = "speed", range = { 0, 4 }, from = { 2 * a, -6 * a, 1.2 * a }, radius = 0.5 * dx,
