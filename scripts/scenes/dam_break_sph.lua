@@ -3,14 +3,14 @@
 -- flow). method = "incompressible" is that corrector (DFSPH), "grid" the corrector `liquid` on the same particles.
 local a = param("a", 0.5, "width of the column, m", { min = 0.05 })
 local n = param("n", 16, "particles on that width", { min = 4 })
-local depth = param("depth", 0, "of the tank, m; 0: a plane", { min = 0 })
+local depth = param("depth", 0, "of the tank, which repeats, m: 6 particles at least; 0: a plane", { min = 0 })
 local method = param("method", "sph", "sph, incompressible or grid")
 local seconds = param("seconds", 1.2, "to simulate", { min = 0.1 })
 
 local dx, g, density = a / n, 9.81, 1000
 local c = 10 * math.sqrt(2 * g * 2 * a)
 local scene = hooke.scene { duration = seconds, fps = 60, integrator = method == "sph" and "leapfrog" or "symplectic_euler",
-  dt = method ~= "sph" and (method == "grid" and 0.3 or 0.08) * dx or nil }
+  dt = method ~= "sph" and math.min(1 / 60, (method == "grid" and 0.3 or 0.08) * dx) or nil }
 
 -- Particles at the middles of cubes of the lattice between two corners; returns their ids.
 local function fill(group, low, high)
