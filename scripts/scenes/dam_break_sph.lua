@@ -28,7 +28,7 @@ end
 local deep = depth > 0 and math.floor(depth / dx + 0.5) or 1
 local water = fill("water", { 0, 0, 0 }, { n, deep, 2 * n })
 scene:force("gravity", { g = { 0, 0, -g } })
-if depth == 0 then scene:pin(water, { normal = { 0, 1, 0 } }) end
+if depth == 0 and method ~= "grid" then scene:pin(water, { normal = { 0, 1, 0 } }) end
 if method == "grid" then
   scene:corrector("liquid", { low = { 0, 0, 0 }, high = { 4 * a, deep * dx, 3 * a }, cell = 2 * dx, density = density })
 else
