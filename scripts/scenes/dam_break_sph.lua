@@ -1,16 +1,16 @@
 -- dam_break_sph.lua: the collapsing column of dam_break.lua by particles alone: the force `sph`, an energy of compression,
 -- between walls of particles, so that nothing but the speed of sound c keeps the volume (a percent at ten times the fastest
--- flow). method = "grid" is the corrector `liquid` on the same particles, for comparison.
+-- flow). method = "incompressible" is that corrector (DFSPH), "grid" the corrector `liquid` on the same particles.
 local a = param("a", 0.5, "width of the column, m", { min = 0.05 })
 local n = param("n", 16, "particles on that width", { min = 4 })
-local depth = param("depth", 0, "of the tank, m; 0: a plane", { min = 0 })
-local method = param("method", "sph", "sph or grid")
+local depth = param("depth", 0, "of the tank, which repeats, m: 6 particles at least; 0: a plane", { min = 0 })
+local method = param("method", "sph", "sph, incompressible or grid")
 local seconds = param("seconds", 1.2, "to simulate", { min = 0.1 })
 
 local dx, g, density = a / n, 9.81, 1000
 local c = 10 * math.sqrt(2 * g * 2 * a)
 local scene = hooke.scene { duration = seconds, fps = 60, integrator = method == "sph" and "leapfrog" or "symplectic_euler",
-  dt = method == "grid" and 0.3 * dx or nil }
+  dt = method ~= "sph" and math.min(1 / 60, (method == "grid" and 0.3 or 0.08) * dx) or nil }
 
 -- Particles at the middles of cubes of the lattice between two corners; returns their ids.
 local function fill(group, low, high)
@@ -28,7 +28,7 @@ end
 local deep = depth > 0 and math.floor(depth / dx + 0.5) or 1
 local water = fill("water", { 0, 0, 0 }, { n, deep, 2 * n })
 scene:force("gravity", { g = { 0, 0, -g } })
-if depth == 0 then scene:pin(water, { normal = { 0, 1, 0 } }) end
+if depth == 0 and method ~= "grid" then scene:pin(water, { normal = { 0, 1, 0 } }) end
 if method == "grid" then
   scene:corrector("liquid", { low = { 0, 0, 0 }, high = { 4 * a, deep * dx, 3 * a }, cell = 2 * dx, density = density })
 else
@@ -47,7 +47,11 @@ else
     for name, value in pairs(common) do more[name] = value end
     return more
   end
-  scene:force("sph", with { c = c })
+  if method == "sph" then
+    scene:force("sph", with { c = c })
+  else
+    scene:corrector("incompressible", with {})
+  end
   scene:force("viscosity", with { mu = 0.02 * density * c * dx, slip = true }) -- as Monaghan's alpha of 0.2
 end
 
@@ -64,6 +68,12 @@ scene:measure("height", function(s) -- of the centre of mass, by that of water a
   for _, id in ipairs(water) do z = z + s:position(id)[3] end
   return z / #water / (a / 4)
 end)
-scene:output("frames", { color = "speed", range = { 0, 4 }, from = { 2 * a, -6 * a, 1.2 * a }, radius = 0.5 * dx,
-  look_at = { 2 * a, 0, 1.2 * a }, ground_height = 0 })
+if depth > 0 then
+  scene:output("frames", { surface = 0.5 * dx, surface_of = "water", surface_look = "water", particles = "off", color = "none",
+    surface_absorption = { 3, 0.8, 0.4 },
+    from = { 5 * a, -6 * a, 3 * a }, look_at = { 1.8 * a, 0.5 * depth, 0.6 * a }, ground_height = 0 })
+else
+  scene:output("frames", { color = "speed", range = { 0, 4 }, from = { 2 * a, -6 * a, 1.2 * a }, radius = 0.5 * dx,
+    look_at = { 2 * a, 0, 1.2 * a }, ground_height = 0 })
+end
 return scene

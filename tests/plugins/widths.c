@@ -37,6 +37,13 @@ static const char head[] =
 #define SHEET "local s = sheet(23)\n"
 #define SPRINGS SHEET "springs(s, 0.01)\n"
 
+/* A shaken cube, denser than the liquid at rest. */
+#define DROP                                                                                                           \
+  "for i = 0, 124 do\n"                                                                                                \
+  "  scene:particle { position = { 0.09 * (i % 5) + 0.02 * math.random(), 0.09 * (i // 5 % 5), 0.09 * (i // 25) },\n"  \
+  "    mass = 1 }\n"                                                                                                   \
+  "end\n"
+
 static const example examples[] = {
     {"runs of springs, leapfrog, gravity", false, SPRINGS},
     {"springs without damping, drag", false, SHEET "springs(s, 0)\nscene:force('drag', { rate = 3 })\n"},
@@ -96,6 +103,8 @@ static const example examples[] = {
      SPRINGS "scene:force('vortex', { strength = 3, core = 0.2, rate = 2 })\n"
              "scene:force('vortex', { strength = 2, profile = 'rankine', rate = 1, label = 'b' })\n"},
     {"strain limits", false, SPRINGS "scene:corrector('strain_limit', { edges = s:structural(), limit = 1e-4 })\n"},
+    {"liquids by particles", false, DROP "scene:force('sph', { c = 5, spacing = 0.1 })\n"},
+    {"incompressible liquids by particles", false, DROP "scene:corrector('incompressible', { spacing = 0.1 })\n"},
 };
 
 static hk_registry registry;

@@ -35,6 +35,7 @@ static const char *options_of(const char *scene) {
       {"cloth_on_sphere", "N=21"},
       {"curtain", "N=12"},
       {"dam_break", "cell=0.0625"},
+      {"dam_break_sph", "n=6"},
       {"discretization", "N=8"},
       {"dust", "N=20"},
       {"folds", "N=5"},

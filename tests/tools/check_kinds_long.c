@@ -29,6 +29,8 @@ static const char *options_of(const char *file) {
   /* a box about the particles of the check's scenes, which it cannot guess */
   if (strcmp(file, "liquid.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=1 density=1";
   if (strcmp(file, "gas.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=2.5";
+  /* a liquid as dense as the check's particles of 1 kg some tenths of a metre apart, or nothing is compressed */
+  if (strcmp(file, "incompressible.so") == 0) return "spacing=0.5 density=1";
   return "";
 }
 

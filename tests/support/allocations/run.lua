@@ -76,6 +76,7 @@ local cases = {
   { "part=sheet --integrator leapfrog" }, { "part=hair --integrator bdf2" }, { "part=links --integrator leapfrog" },
   { "part=water --integrator symplectic_euler" },
   { "part=smoke --integrator symplectic_euler" },
+  { "part=drops --integrator symplectic_euler" },
   { "part=solid --integrator backward_euler" }, { "part=rope --integrator backward_euler --solver umfpack" },
   { "part=rope --integrator backward_euler --solver cholmod" }, { "part=rope --integrator backward_euler --solver pcg" },
   { "part=rope --integrator arkode", crashes = "arkode" }, { "part=rope --integrator cvode", crashes = "cvode" },

@@ -80,6 +80,12 @@ function parts.smoke(scene)
   scene:corrector("gas", { low = { 0, 0, 0 }, high = { 0.8, 0, 0.8 }, cell = 0.2, sources = { vent }, source_smoke = 1e-3 })
 end
 
+function parts.drops(scene)
+  scene:particles { positions = { { 0, 0, 0.1 }, { 0.1, 0, 0.1 }, { 0, 0.1, 0.1 } }, mass = 1 }
+  scene:force("gravity", {})
+  scene:corrector("incompressible", { spacing = 0.1 })
+end
+
 function parts.hair(scene)
   local hair = scene:strand { n = 4, from = { 0, 0, 0 }, to = { 1, 0, 0 }, mass = 0.1 }
   scene:force("rods", { edges = hair:edges(), EI = 0.01, GJ = 0.01 })
