@@ -142,7 +142,7 @@ static const hk_param params[] = {
      "1997), blue in metres",
      .vector = HK_AT(frames, wanted.absorption), .initial = {0.34, 0.0565, 0.00922}, .limits = HK_WITHIN(0, 1e9)},
     {"smoke", "m^2/kg",
-     "draw the smoke of gases, which hides by so much a mass; 8700 is soot (Mulholland and Croarkin 2000); left out: "
+     "draw the smoke of gases, which hides by so much a mass; 8700 is taken for soot of flames; left out: "
      "it is not drawn",
      .number = HK_AT(frames, volume_optics.extinction), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {"glow", "1/m", "with smoke: light of gas of 2000 K in a metre, where 1 is white; cooler gas is redder and darker",

@@ -21,6 +21,7 @@ scene:measure("hottest", function(s) -- K, along the wick
   for _, id in ipairs(wick) do most = math.max(most, s:field("temperature", id)) end
   return most
 end)
-scene:output("frames", { width = 540, height = 960, smoke = 8700, glow = 2500, color = "none", plain = { 0.95, 0.9, 0.8 },
-  particles = "off", from = { 0, -0.36, 0.11 }, look_at = { 0, 0, 0.075 }, ground_height = -0.025, light = "night" })
+scene:output("frames", { width = 540, height = 960, smoke = 8700, glow = 4000, color = "none", particles = "off",
+  boxes = { 0, 0, 0.041, 0.0015, 0.0015, 0.014 }, from = { 0, -0.36, 0.11 }, look_at = { 0, 0, 0.075 },
+  ground_height = -0.025, light = "night" })
 return scene

@@ -79,7 +79,7 @@ void hk_gas_walls(hk_gas *);
  * length of the step before, 0: there is none. */
 void hk_gas_prepare(hk_gas *, double h, double last);
 /* The fields, carried for h: MacCormack's scheme on ways of order 2, kept within the values that its first
- * step took (Selle, Fedkiw, Kim, Liu, Rossignac 2008, An unconditionally stable MacCormack method, eqs. 4 to 6). What
+ * step took (Selle, Fedkiw, Kim, Liu, Rossignac 2008, An unconditionally stable MacCormack method). What
  * comes in through an open side is ambient air. It keeps the sum of a field to the order of the scheme, not to
  * rounding. */
 void hk_gas_carry(hk_gas *, double h);
@@ -89,7 +89,7 @@ void hk_gas_feed(hk_gas *, const hk_gas_source *, const double x[3], double h);
  * each exact for h. */
 void hk_gas_burn(hk_gas *, double h);
 /* Half of buoyancy (Boussinesq), and vorticity confinement: f = confinement cell N x curl u, N the direction of the
- * gradient of |curl u| (Fedkiw, Stam, Jensen 2001, Visual simulation of smoke, eqs. 9 to 11). Confinement does not keep
+ * gradient of |curl u| (Fedkiw, Stam, Jensen 2001, Visual simulation of smoke). Confinement does not keep
  * momentum.
  */
 void hk_gas_push(hk_gas *, double h);

@@ -35,7 +35,7 @@ static void burn_cell(const hk_gas_task *t, const hk_liquid_row *row, size_t i) 
   if (!hk_gas_has(&s->flow.grid, row, i, HK_GAS_HEAT)) return;
   double *heat = &s->now[HK_GAS_HEAT][i], *fuel = &s->now[HK_GAS_FUEL][i];
   if (*heat >= s->ignition && *fuel > 0) {
-    double burnt = *fuel * -expm1(-s->burn_rate * t->h);
+    double burnt = *fuel * (1 - exp(-s->burn_rate * t->h));
     *fuel -= burnt;
     *heat += s->burn_heat * burnt;
     s->now[HK_GAS_SMOKE][i] += s->soot * burnt;

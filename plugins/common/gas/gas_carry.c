@@ -11,13 +11,12 @@ static void flow_at(const hk_gas *s, const double x[3], double u[3]) {
   for (int a = 0; a < 3; a++) u[a] = g->flat[a] ? 0 : hk_liquid_value(g, s->along[a], &at, a);
 }
 
-/* Where what is at x goes in h, by the midpoint rule. */
-static void follow(const hk_gas *s, const double x[3], double h, double to[3]) {
-  double u[3], middle[3];
-  flow_at(s, x, u);
+/* Where what is at x, where the flow is u, goes in h, by the midpoint rule. */
+static void follow(const hk_gas *s, const double x[3], const double u[3], double h, double to[3]) {
+  double middle[3], there[3];
   for (int c = 0; c < 3; c++) middle[c] = x[c] + h / 2 * u[c];
-  flow_at(s, middle, u);
-  for (int c = 0; c < 3; c++) to[c] = x[c] + h * u[c];
+  flow_at(s, middle, there);
+  for (int c = 0; c < 3; c++) to[c] = x[c] + h * there[c];
 }
 
 static bool is_outside(const hk_liquid_grid *g, const double x[3]) {
@@ -54,11 +53,12 @@ static void go_back(const hk_gas_task *t, const hk_liquid_row *row, size_t i) {
   hk_gas *s = t->gas;
   const hk_liquid_grid *g = &s->flow.grid;
   for (int kind = 0; kind <= CENTRES; kind++) {
-    double x[3], foot[3];
+    double x[3], u[3], foot[3];
     hk_liquid_place at;
     if (!hk_gas_has(g, row, i, kind)) continue;
     hk_gas_point(g, row, i, kind, x);
-    follow(s, x, -t->h, foot);
+    flow_at(s, x, u);
+    follow(s, x, u, -t->h, foot);
     hk_liquid_locate(g, foot, &at);
     int outside = beyond(s, foot);
     for (int f = first_of(kind); f < end_of(kind); f++)
@@ -90,12 +90,13 @@ static void come_forth(const hk_gas_task *t, const hk_liquid_row *row, size_t i)
   hk_gas *s = t->gas;
   const hk_liquid_grid *g = &s->flow.grid;
   for (int kind = 0; kind <= CENTRES; kind++) {
-    double x[3], foot[3], head[3];
+    double x[3], u[3], foot[3], head[3];
     hk_liquid_place from, to;
     if (!hk_gas_has(g, row, i, kind)) continue;
     hk_gas_point(g, row, i, kind, x);
-    follow(s, x, -t->h, foot);
-    follow(s, x, t->h, head);
+    flow_at(s, x, u);
+    follow(s, x, u, -t->h, foot);
+    follow(s, x, u, t->h, head);
     bool plain = is_outside(g, foot) || is_outside(g, head); /* nothing is known of the error */
     hk_liquid_locate(g, foot, &from);
     hk_liquid_locate(g, head, &to);

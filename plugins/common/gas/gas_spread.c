@@ -47,7 +47,7 @@ static void find_rate(const hk_gas_task *t, const hk_liquid_row *row, size_t i) 
   s->work[RATE][i] = t->factor * sum;
 }
 
-/* Stage j of s: Y_j = mu Y_j-1 + nu Y_j-2 + (1 - mu - nu) Y_0 + rate M Y_j-1 + start M Y_0 (eq. 17). */
+/* Stage j of s: Y_j = mu Y_j-1 + nu Y_j-2 + (1 - mu - nu) Y_0 + rate M Y_j-1 + start M Y_0. */
 typedef struct stage {
   hk_gas *gas;
   int field;
@@ -68,7 +68,7 @@ static void stage_piece(void *context, size_t begin, size_t end, size_t piece) {
 
 static double b(int j) { return j < 2 ? 1.0 / 3 : (j * j + j - 2) / (2.0 * j * (j + 1)); }
 
-/* h: of the step; Meyer et al. 2012, eqs. 16 and 17. */
+/* h: of the step; the coefficients of Meyer et al. 2012. */
 static stage stage_of(hk_gas *s, int f, int j, int stages, double h) {
   double w = 4.0 / (stages * stages + stages - 2);
   if (j == 1) return (stage){s, f, 1, 0, b(1) * w * h, 0};

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static const double piece_of_cell = 0.7, least_through = 0.01;
+static const double piece_of_cell = 0.5, least_through = 0.01;
 static const double lamp = 0.9, sky = 0.1;   /* light that white smoke scatters to the eye */
 static const double white_at = 2000;         /* K */
 static const double radiation = 1.438777e-2; /* m K, second constant of radiation, h c/k */

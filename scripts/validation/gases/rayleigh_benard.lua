@@ -24,7 +24,7 @@ return validation.problem {
   title = "Onset of convection of Rayleigh and Benard",
   quantities = {
     { name = "critical Rayleigh number", reference = 1707.762,
-      source = "Chandrasekhar 1961, section 15: rigid walls, wave number 3.117" },
+      source = "Chandrasekhar 1961, rigid walls, wave number 3.117" },
   },
   space = { 8, 16, 32 },
   tolerance = 0.01,

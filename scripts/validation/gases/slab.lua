@@ -17,7 +17,7 @@ return validation.problem {
   title = "Conduction in a slab",
   quantities = {
     { name = "temperature at a quarter", unit = "K", reference = function() return temperature(0.25) end, scale = 10,
-      source = "Carslaw and Jaeger 1959, section 3.4: a Fourier series" },
+      source = "closed form, a Fourier series" },
   },
   space = { 16, 32, 64 },
   order = { space = 2 },
