@@ -28,7 +28,7 @@ typedef struct hk_linear_table {
    * unless a force has an unsymmetric Jacobian only, or the scene is very large. With constraints: one for indefinite
    * matrices. */
   hk_status (*solver_flags)(hk_system *, unsigned *flags);
-  /* dF = (dF/dx) dx + (dF/dv) dv of the included forces (n x 3), by a force's product or else by its blocks; K and D
+  /* dF = (dF/dx) dx + (dF/dv) dv of the included forces (n x 3), by their blocks; K and D
    * of the last `jacobian` are then invalid. */
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */

@@ -45,12 +45,24 @@ typedef struct hk_spring_blocks_task {
   const hk_blocks *into;
 } hk_spring_blocks_task;
 
-/* The numbers of one block at a time, so that they are added as vectors: two of the blocks may be one. */
-static inline void hk_spring_add_four(double *into, const size_t slot[4], const double block[restrict 9]) {
-  for (int b = 0; b < 4; b++) {
-    double *restrict to = into + 9 * slot[b], sign = b == 0 || b == 3 ? 1 : -1;
-    for (int q = 0; q < 9; q++) to[q] += sign * block[q];
-  }
+/* The numbers of one block at a time, two by two: two of the blocks may be one. */
+static inline void hk_spring_add_block(double *to, const hk_spring_half pair[4], double last) {
+  for (int q = 0; q < 4; q++) *(hk_spring_half *)(to + 2 * q) += pair[q];
+  to[8] += last;
+}
+
+static inline void hk_spring_subtract_block(double *to, const hk_spring_half pair[4], double last) {
+  for (int q = 0; q < 4; q++) *(hk_spring_half *)(to + 2 * q) -= pair[q];
+  to[8] -= last;
+}
+
+static inline void hk_spring_add_four(double *into, const size_t slot[4], const double block[9]) {
+  const hk_spring_half pair[4] = {
+      {block[0], block[1]}, {block[2], block[3]}, {block[4], block[5]}, {block[6], block[7]}};
+  hk_spring_add_block(into + 9 * slot[0], pair, block[8]);
+  hk_spring_subtract_block(into + 9 * slot[1], pair, block[8]);
+  hk_spring_subtract_block(into + 9 * slot[2], pair, block[8]);
+  hk_spring_add_block(into + 9 * slot[3], pair, block[8]);
 }
 
 static inline void hk_spring_add_zero_length(const hk_spring_blocks_task *t, size_t e, double k, double L) {

@@ -17,7 +17,7 @@ enum { SIDE = 12, PARTICLES = SIDE * SIDE };
 static test_result r;
 
 static const char curtain[] =
-    "local k = 1e6\n"
+    "local k = param('k', 1e6, '')\n"
     "local s = hooke.scene{ duration = 0.25, fps = 60, threads = 1, integrator = 'leapfrog' }\n"
     "local c, row, d = s:grid{ nx = 12, ny = 12, width = 1, height = 1, mass = 0.15 }, {}, math.sqrt(k / 1000)\n"
     "for i = 1, 12 do row[i] = c:at(i, 12) end\n"
@@ -83,10 +83,25 @@ static void nobody_has_to_give_a_tolerance(void **state) {
   assert_true(apart(x, exact) == 0);
 }
 
+/* At 1e9 N/m every fourth matrix is not definite, and what its projection leaves out is corrected by the blocks that
+ * there are: every Jacobian is factorized, where each of these steps took a further one. A wrong correction takes 169
+ * steps and leaves no balance of the energy; measured 50 and 0.3 %. */
+static void what_is_corrected_takes_no_further_jacobian(void **state) {
+  (void)state;
+  static double x[3 * PARTICLES];
+  test_write("curtain.lua", curtain);
+  simulate("k=1e9 --no-check --integrator linear_bdf2:krylov=0", x);
+  double steps = test_json(r.out, "steps"), factorizations = test_json(r.out, "factorizations");
+  assert_int_equal(r.code, 0);
+  assert_true(steps < 80 && factorizations > steps + 6);
+  assert_true(test_json(r.out, "jacobian_evaluations") == factorizations);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(few_steps_follow_a_stiff_curtain),
       cmocka_unit_test(nobody_has_to_give_a_tolerance),
+      cmocka_unit_test(what_is_corrected_takes_no_further_jacobian),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
