@@ -40,10 +40,23 @@ static void a_tank_in_space_flows_as_a_plane_one(void **state) {
   if (!(fabs(space / plane - 1) < 0.04)) fail_msg("%.3f in space, %.3f in a plane", space, plane);
 }
 
+/* At cells of 0.1 m, for which log and cork are too small: the raft of half the water's density floats about its
+ * middle, 0.42 m high by the volumes of all, and bobs by half a cell; the stone lies on the floor, 0.09 m high; the
+ * water is 512 kg with 20 kg/s more and 5 less, to a particle of 0.125 kg. */
+static void a_raft_floats_and_a_stone_sinks(void **state) {
+  (void)state;
+  test_scene(&r, "harbour", "cell=0.1 --until 0.6");
+  double raft = test_json(r.out, "raft"), stone = test_json(r.out, "stone"), mass = test_json(r.out, "mass");
+  if (!(fabs(raft - 0.42) < 0.05)) fail_msg("raft at %.4f m", raft);
+  if (!(fabs(stone - 0.09) < 0.005)) fail_msg("stone at %.4f m", stone);
+  if (!(fabs(mass - 521) < 0.2)) fail_msg("%.4f kg", mass);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_dam_breaks_as_in_the_experiment),
       cmocka_unit_test(a_tank_in_space_flows_as_a_plane_one),
+      cmocka_unit_test(a_raft_floats_and_a_stone_sinks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

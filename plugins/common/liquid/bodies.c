@@ -41,19 +41,33 @@ hk_status hk_liquid_bodies_open(hk_liquid_bodies *s, const hk_host *host, const 
 
 void hk_liquid_bodies_topology(hk_liquid_bodies *s) { s->known = false; }
 
-/* Whether nothing else is in the equations of the body, and no pin holds what has its mass. */
-static bool is_free(const hk_liquid_bodies *s, const hk_model *model, const hk_liquid_body *b) {
-  const uint32_t *member;
-  uint32_t body = s->service->of(s->service->self, b->carrier[0]);
-  for (uint32_t k = 0; k < b->carriers; k++)
-    if (model->pin[b->carrier[k]] != HK_FREE) return false;
-  return body != UINT32_MAX && s->service->members(s->service->self, body, &member) == b->carriers;
+/* Whether its centre of mass is moved along every axis by what its mass says: no pin, joint or bar holds it. */
+static hk_status find_free(const hk_liquid_bodies *s, const hk_model *model, hk_liquid_body *b) {
+  hk_weighted_point centre = {{b->carrier[0], b->carrier[0], b->carrier[0], b->carrier[0]}, {0}};
+  hk_status status = HK_OK;
+  b->mass = 0;
+  b->free = true;
+  for (uint32_t k = 0; k < b->carriers; k++) b->mass += b->weight[k];
+  for (uint32_t k = 0; k < b->carriers; k++) {
+    centre.particle[k] = b->carrier[k];
+    centre.weight[k] = b->weight[k] / b->mass;
+    b->free &= model->pin[b->carrier[k]] == HK_FREE;
+  }
+  for (int c = 0; c < 3 && b->free && status == HK_OK; c++) {
+    const double n[3] = {c == 0, c == 1, c == 2};
+    double mobility = 0;
+    status = s->service->mobility(s->service->self, &centre, n, &mobility);
+    b->free = fabs(mobility * b->mass - 1) < 1e-6;
+  }
+  return status;
 }
 
 /* Carriers of the present topology; skins keep their order. */
-static hk_status find_carriers(hk_liquid_bodies *s, const hk_model *model) {
+static hk_status find_carriers(hk_liquid_bodies *s, const hk_view *view, const hk_correction *step) {
+  const hk_model *model = view->model;
   size_t all, k = 0;
   hk_status status = s->service->count(s->service->self, &all);
+  if (status == HK_OK && all > 0) status = s->service->linearise(s->service->self, view->t, step->x, step->v);
   for (size_t i = 0; i < s->count && status == HK_OK; i++) {
     hk_liquid_body *b = &s->body[i];
     b->present = k < model->skins && model->skin[k].vertex == b->vertex;
@@ -62,8 +76,8 @@ static hk_status find_carriers(hk_liquid_bodies *s, const hk_model *model) {
     b->carriers = skin->carriers;
     memcpy(b->carrier, skin->carrier, sizeof b->carrier);
     for (uint32_t c = 0; c < b->carriers; c++) b->weight[c] = model->mass[b->carrier[c]];
-    b->free = all > 0 && is_free(s, model, b);
-    if (b->free || s->said) continue;
+    status = find_free(s, model, b);
+    if (status != HK_OK || b->free || s->said) continue;
     s->said = true;
     s->host->warn(s->host,
                   "a rigid body in the liquid is joined to others or held, and its pressure does not move it: it is a "
@@ -130,7 +144,7 @@ static void push(hk_liquid_body *b, const double impulse[6]) {
 }
 
 hk_status hk_liquid_bodies_begin(hk_liquid_bodies *s, const hk_view *view, const hk_correction *step) {
-  hk_status status = s->known || s->count == 0 ? HK_OK : find_carriers(s, view->model);
+  hk_status status = s->known || s->count == 0 ? HK_OK : find_carriers(s, view, step);
   size_t k = 0;
   s->h = step->h;
   for (size_t i = 0; i < s->count && status == HK_OK; i++) {
@@ -139,8 +153,6 @@ hk_status hk_liquid_bodies_begin(hk_liquid_bodies *s, const hk_view *view, const
     if (!b->present) continue;
     set_frame(&b->frame, &view->model->skin[k++], step->x_before);
     b->wet = false;
-    b->mass = 0;
-    for (uint32_t c = 0; c < b->carriers; c++) b->mass += b->weight[c];
     mean_of(b, step->x_before, b->centre);
     mean_of(b, step->v, b->velocity);
     angular_momentum(b, step->x, step->v, momentum);

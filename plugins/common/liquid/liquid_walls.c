@@ -23,6 +23,20 @@ static double distance_to_bodies(const hk_liquid *l, const double x[3], double l
   return least;
 }
 
+/* Whether a plane at the distance d of x, with the normal n in its frame, has all of the box before it: a floor, say.
+ * It is no wall beside the box's own; where several of them met, cells in corners would seem half closed. */
+static bool is_round_box(const hk_liquid_grid *g, const hk_obstacle *o, const double x[3], double d,
+                         const double n[3]) {
+  double normal[3], size = 0;
+  if (o->shape.kind != HK_SHAPE_PLANE || o->shape.hollow) return false;
+  hk_body_direction(&o->motion.end, n, normal);
+  for (int c = 0; c < 3; c++) {
+    d += normal[c] * ((normal[c] > 0 ? g->low[c] : g->high[c]) - x[c]);
+    size += g->spacing[c];
+  }
+  return d > -1e-6 * size;
+}
+
 /* m, of a point to the nearest solid. */
 static double distance_at(const hk_liquid *l, const double x[3], nearest_solid *nearest) {
   const hk_obstacle_set *set = l->obstacles;
@@ -32,7 +46,7 @@ static double distance_at(const hk_liquid *l, const double x[3], nearest_solid *
     double p[3], n[3];
     hk_body_point(&set->member[k]->motion.end, x, p);
     double d = hk_shape_distance(&set->member[k]->shape, p, n);
-    if (!(d < least)) continue;
+    if (!(d < least) || is_round_box(&l->grid, set->member[k], x, d, n)) continue;
     least = d;
     nearest->obstacle = set->member[k];
   }
@@ -44,12 +58,12 @@ static double open_triangle(double a, double b, double c) {
   int positive = (a > 0) + (b > 0) + (c > 0);
   if (positive == 0) return 0;
   if (positive == 3) return 1;
-  double sign = positive == 1 ? 1 : -1; /* one corner is apart from the others: it comes first */
-  if (sign * b > 0) {
+  bool apart = positive == 1; /* whether the corner that is apart from the others is positive: it comes first */
+  if ((b > 0) == apart) {
     double t = a;
     a = b;
     b = t;
-  } else if (sign * c > 0) {
+  } else if ((c > 0) == apart) {
     double t = a;
     a = c;
     c = t;
@@ -68,7 +82,10 @@ static double open_part(const hk_liquid_grid *g, size_t i, int c) {
     double p = d[0], q = d[s + t];
     part = p > 0 && q > 0 ? 1 : p <= 0 && q <= 0 ? 0 : fmax(p, q) / fabs(p - q);
   } else {
-    part = (open_triangle(d[0], d[s], d[s + t]) + open_triangle(d[0], d[t], d[s + t])) / 2;
+    double rising = open_triangle(d[0], d[s], d[s + t]) + open_triangle(d[0], d[t], d[s + t]);
+    double falling = open_triangle(d[s], d[0], d[t]) + open_triangle(d[s], d[s + t], d[t]);
+    part =
+        fmax(rising, falling) / 2; /* they differ where walls meet: in a corner one of them has a triangle on a wall */
   }
   return part < least_open ? 0 : part;
 }
