@@ -10,7 +10,7 @@
  * the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
-#include "plugins/common/liquid/viscosity.h"
+#include "plugins/common/liquid/liquid_viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
@@ -34,7 +34,7 @@ typedef struct liquid {
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
-  hk_viscosity viscous;
+  hk_liquid_viscosity viscous;
   hk_tension surface;
   hk_array second; /* m^2/s, as `guess`, of the projection after viscosity */
   const hk_host *host;
@@ -204,7 +204,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->flip = s->flip;
   m->tolerance = s->tolerance;
   s->surface = (hk_tension){.tension = s->tension};
-  s->viscous = (hk_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
+  s->viscous =
+      (hk_liquid_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
   double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
@@ -225,7 +226,7 @@ static void destroy(void *self, const hk_host *host) {
   liquid *s = self;
   (void)host;
   if (!s->host) return;
-  hk_viscosity_close(&s->viscous, s->host);
+  hk_liquid_viscosity_close(&s->viscous, s->host);
   hk_tension_close(&s->surface, s->host);
   hk_liquid_close(&s->method);
 }

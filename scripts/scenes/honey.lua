@@ -1,5 +1,5 @@
--- honey.lua: a thread of honey falls onto a plate, where it folds and sinks into a heap that spreads slowly. It is as viscous as cold honey (100
--- Pa s), sticks to the plate, and its surface is seen.
+-- honey.lua: a thread of honey falls onto a plate, where it folds and sinks into a heap that spreads slowly. It is as
+-- viscous as cold honey (100 Pa s), sticks to the plate, and its surface is seen.
 local filling = require("filling")
 local cell = param("cell", 0.004, "of the grid, m", { min = 1e-3, max = 0.01 })
 local viscosity = param("viscosity", 100, "Pa s", { min = 0 })

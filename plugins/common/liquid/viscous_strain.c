@@ -1,5 +1,5 @@
 /* Strains of a liquid on its grid, and the parts of volumes that they stand for. */
-#include "plugins/common/liquid/viscosity.h"
+#include "plugins/common/liquid/viscous_strain.h"
 
 static const double nearest_wall = 0.1; /* of the way to the next face: a wall is no nearer */
 

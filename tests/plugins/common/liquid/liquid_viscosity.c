@@ -1,6 +1,7 @@
 /* Viscosity on a liquid's grid: a vortex decays at its rate, flow between plates starts as the series say, what turns
  * as a rigid body is left alone, momentum is kept, and any viscosity is stable. */
-#include "plugins/common/liquid/viscosity.h"
+#include "plugins/common/liquid/liquid_viscosity.h"
+#include "plugins/common/liquid/viscous_strain.h"
 #include "tests/support/solver_matrix.h"
 
 #include <setjmp.h>
@@ -14,7 +15,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct fixture {
   test_solver s; /* its host */
   hk_liquid l;
-  hk_viscosity v;
+  hk_liquid_viscosity v;
 } fixture;
 
 static fixture *open_fixture(double length, double height, double cell) {
@@ -32,7 +33,7 @@ static fixture *open_fixture(double length, double height, double cell) {
 }
 
 static void close_fixture(fixture *f) {
-  hk_viscosity_close(&f->v, f->l.host);
+  hk_liquid_viscosity_close(&f->v, f->l.host);
   hk_liquid_close(&f->l);
   test_solver_close(&f->s);
   free(f);

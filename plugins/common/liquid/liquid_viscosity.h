@@ -4,8 +4,8 @@
  * least, with the strains e_aa = d u_a/d a in cells and g_ab = d u_a/d b + d u_b/d a at edges, and V the liquid's parts
  * of their volumes. So nothing pulls at the free surface, a liquid that turns as a rigid body keeps doing so, momentum
  * is kept where no wall takes it, and any viscosity is stable. Order 1 in time, 2 in space. */
-#ifndef HK_VISCOSITY_H
-#define HK_VISCOSITY_H
+#ifndef HK_LIQUID_VISCOSITY_H
+#define HK_LIQUID_VISCOSITY_H
 
 #include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
@@ -13,7 +13,7 @@
 
 enum { HK_VISCOUS_ROW = 15 }; /* faces that share a strain with one, and itself */
 
-typedef struct hk_viscosity {
+typedef struct hk_liquid_viscosity {
   double viscosity; /* Pa s */
   double tolerance; /* of what is left of the equations, relative */
   bool slip;        /* walls do not hold the liquid back */
@@ -27,29 +27,12 @@ typedef struct hk_viscosity {
   double *b, *x; /* rows: what the strains of u* ask for; the change of the velocity, m/s */
   hk_gradients gradients;
   hk_incomplete factors;
-} hk_viscosity;
-
-/* A strain: a sum of velocities of faces, and what walls add to it, 1/s; `weight` is its part of a cell's volume, and
- * twice that where it is along an axis. */
-typedef struct hk_strain {
-  int count;
-  int axis[4];
-  size_t at[4];
-  double by[4]; /* 1/m */
-  double walls; /* 1/s */
-  double weight;
-} hk_strain;
-
-/* That along axis a in cell i; that between the axes a and b at the edge that is the cell's lowest corner of both. */
-void hk_strain_along(const hk_liquid *, size_t i, int a, hk_strain *);
-void hk_strain_between(const hk_liquid *, size_t i, int a, int b, bool slip, hk_strain *);
-/* The part of the volume about a face that is liquid, 0 to 1. */
-double hk_liquid_part_of_face(const hk_liquid *, size_t i, int a);
+} hk_liquid_viscosity;
 
 /* Applies it to the velocities for a step of h, s; after hk_liquid_walls and hk_liquid_find_surface, and between two
  * projections: what is to be sheared has no divergence, and what comes of it has little. HK_NO_MEMORY,
  * HK_NOT_CONVERGED: with a message. */
-hk_status hk_liquid_shear(hk_liquid *, hk_viscosity *, double h);
-void hk_viscosity_close(hk_viscosity *, const hk_host *);
+hk_status hk_liquid_shear(hk_liquid *, hk_liquid_viscosity *, double h);
+void hk_liquid_viscosity_close(hk_liquid_viscosity *, const hk_host *);
 
 #endif

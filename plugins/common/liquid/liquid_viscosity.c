@@ -1,5 +1,6 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
-#include "plugins/common/liquid/viscosity.h"
+#include "plugins/common/liquid/liquid_viscosity.h"
+#include "plugins/common/liquid/viscous_strain.h"
 
 #include <string.h>
 
@@ -9,7 +10,8 @@ typedef void (*strain_visitor)(void *context, const hk_strain *e);
 
 /* All strains that the face of component a at i is part of: those of the cells on both of its sides, and of the edges
  * about it. */
-static void visit_strains(const hk_liquid *l, const hk_viscosity *v, int a, size_t i, strain_visitor each, void *to) {
+static void visit_strains(const hk_liquid *l, const hk_liquid_viscosity *v, int a, size_t i, strain_visitor each,
+                          void *to) {
   const hk_liquid_grid *g = &l->grid;
   hk_strain e;
   for (int k = 0; k < 2; k++) {
@@ -27,7 +29,7 @@ static void add_weight(void *context, const hk_strain *e) { *(double *)context +
 
 /* ---- which faces ---- */
 
-static hk_status make_room(hk_viscosity *v, const hk_host *host, size_t rows) {
+static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t rows) {
   if (rows <= v->most) return HK_OK;
   void *old[] = {v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
@@ -46,7 +48,7 @@ static hk_status make_room(hk_viscosity *v, const hk_host *host, size_t rows) {
 }
 
 /* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. */
-static size_t number_faces(const hk_liquid *l, hk_viscosity *v, bool list) {
+static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list) {
   const hk_liquid_grid *g = &l->grid;
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)], count = 0;
   for (int a = 0; a < 3; a++)
@@ -71,7 +73,7 @@ static size_t number_faces(const hk_liquid *l, hk_viscosity *v, bool list) {
 
 typedef struct equation {
   const hk_liquid *l;
-  const hk_viscosity *v;
+  const hk_liquid_viscosity *v;
   size_t face;
   int axis, count;
   double factor; /* h nu, m^2 */
@@ -106,7 +108,7 @@ static void add_strain(void *context, const hk_strain *e) {
 
 typedef struct task {
   hk_liquid *l;
-  hk_viscosity *v;
+  hk_liquid_viscosity *v;
   double factor;
 } task;
 
@@ -125,7 +127,7 @@ static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
 }
 
 /* Rows one behind the other. */
-static hk_matrix close_up(hk_viscosity *v, size_t rows) {
+static hk_matrix close_up(hk_liquid_viscosity *v, size_t rows) {
   v->start[0] = 0;
   for (size_t r = 0; r < rows; r++) {
     size_t count = v->start[r + 1], to = v->start[r];
@@ -140,11 +142,11 @@ static hk_matrix close_up(hk_viscosity *v, size_t rows) {
 /* ---- the solution ---- */
 
 static double precondition(void *context, const double *r, double *z) {
-  hk_viscosity *v = context;
+  hk_liquid_viscosity *v = context;
   return hk_incomplete_apply(&v->factors, v->gradients.host, r, z);
 }
 
-static hk_status solve(hk_viscosity *v, const hk_host *host, const hk_matrix *A) {
+static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_matrix *A) {
   hk_gradients_system system = {precondition, v, v->tolerance, 0};
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);
@@ -160,7 +162,7 @@ static hk_status solve(hk_viscosity *v, const hk_host *host, const hk_matrix *A)
   return hk_gradients_solve(&v->gradients, host, &system, v->b, v->x, NULL);
 }
 
-hk_status hk_liquid_shear(hk_liquid *l, hk_viscosity *v, double h) {
+hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   const hk_host *host = l->host;
   hk_liquid_grid *g = &l->grid;
   for (int a = 0; a < 3; a++) {
@@ -181,7 +183,7 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_viscosity *v, double h) {
   return status;
 }
 
-void hk_viscosity_close(hk_viscosity *v, const hk_host *host) {
+void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
   void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_incomplete_free(&v->factors, host);

@@ -1,0 +1,25 @@
+/* Strains of a liquid's velocities on its grid, in cells and at edges, with what walls add, and the liquid's parts of
+ * the volumes that they stand for. */
+#ifndef HK_VISCOUS_STRAIN_H
+#define HK_VISCOUS_STRAIN_H
+
+#include "plugins/common/liquid/liquid.h"
+
+/* A strain: a sum of velocities of faces, and what walls add to it, 1/s; `weight` is its part of a cell's volume, and
+ * twice that where it is along an axis. */
+typedef struct hk_strain {
+  int count;
+  int axis[4];
+  size_t at[4];
+  double by[4]; /* 1/m */
+  double walls; /* 1/s */
+  double weight;
+} hk_strain;
+
+/* That along axis a in cell i; that between the axes a and b at the edge that is the cell's lowest corner of both. */
+void hk_strain_along(const hk_liquid *, size_t i, int a, hk_strain *);
+void hk_strain_between(const hk_liquid *, size_t i, int a, int b, bool slip, hk_strain *);
+/* The part of the volume about a face that is liquid, 0 to 1. */
+double hk_liquid_part_of_face(const hk_liquid *, size_t i, int a);
+
+#endif
