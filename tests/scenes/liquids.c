@@ -52,9 +52,26 @@ static void a_raft_floats_and_a_stone_sinks(void **state) {
   if (!(fabs(mass - 521) < 0.2)) fail_msg("%.4f kg", mass);
 }
 
+/* Before it meets the plate, at 0.045 s, a viscous thread falls freely, as a whole: g t (t + h)/2 to the first frame,
+ * in steps of h. Its particles at random are evened by hundredths of a cell: 5 %. */
+static void honey_falls_freely_before_it_meets_the_plate(void **state) {
+  (void)state;
+  const double t = 1 / 30.0, h = t / 17;
+  double height[2];
+  for (int k = 0; k < 2; k++) {
+    char words[64];
+    snprintf(words, sizeof words, "cell=0.006 --dt 0.002 --until %.9g", k ? t * (1 + 1e-9) : t / 3);
+    test_scene(&r, "honey", words);
+    height[k] = test_json(r.out, "height"); /* of the last frame */
+  }
+  double fallen = height[0] - height[1], wanted = 9.81 * t * (t + h) / 2;
+  if (!(fabs(fallen - wanted) < 0.05 * wanted)) fail_msg("%.5f m instead of %.5f", fallen, wanted);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_dam_breaks_as_in_the_experiment),
+      cmocka_unit_test(honey_falls_freely_before_it_meets_the_plate),
       cmocka_unit_test(a_tank_in_space_flows_as_a_plane_one),
       cmocka_unit_test(a_raft_floats_and_a_stone_sinks),
   };

@@ -60,7 +60,7 @@ static void fill_gap(hk_liquid_grid *g, int a, size_t i) {
   for (int c = 0; c < 3; c++) {
     size_t s = g->stride[c];
     if (g->weight[a][i - s] > 0) sum += g->u[a][i - s], count++;
-    if (g->weight[a][i + s] > 0) sum += g->u[a][i + s], count++;
+    if (i + s < g->size && g->weight[a][i + s] > 0) sum += g->u[a][i + s], count++; /* the last face has none beyond */
   }
   if (count > 0) g->u[a][i] = g->before[a][i] = sum / count;
 }
