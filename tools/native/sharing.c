@@ -90,8 +90,8 @@ static int neighbours(lua_State *L) {
 
 /* ---- octree/1 ---- */
 
-/* The tree of all, and of two lists of as many, every third from the last on; or backwards, so that the points that were
- * asked for last are asked for again when they have moved. */
+/* The tree of all, and of two lists of as many, every third from the last on; or backwards, so that the points that
+ * were asked for last are asked for again when they have moved. */
 static const char *try_trees(question *q, const hk_octrees *s, uint32_t *list, bool backwards, hk_status *status) {
   const char *wrong = NULL;
   size_t n = q->actor->n;

@@ -1,4 +1,5 @@
-/* NAME: writes the centre of mass of every frame as a line of NAME.csv in the run's folder. Describe here what it writes. */
+/* NAME: writes the centre of mass of every frame as a line of NAME.csv in the run's folder. Describe here what it
+ * writes. */
 #include "core/plugin.h"
 
 #include <errno.h>

@@ -1,5 +1,5 @@
-/* What the service NAME offers. Plugins that use it include this header and ask in their `create`, as NAME_client.c does;
- * the name of the interface is its version: change the number when you change the table. */
+/* What the service NAME offers. Plugins that use it include this header and ask in their `create`, as NAME_client.c
+ * does; the name of the interface is its version: change the number when you change the table. */
 #ifndef NAME_H
 #define NAME_H
 

@@ -1,5 +1,5 @@
-/* NAME_client: an output for the test of the service NAME, which it asks at every frame; what is answered becomes a line
- * of NAME.csv in the run's folder. */
+/* NAME_client: an output for the test of the service NAME, which it asks at every frame; what is answered becomes a
+ * line of NAME.csv in the run's folder. */
 #include "NAME.h"
 
 #include <errno.h>
@@ -28,7 +28,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)view;
   p->host = host;
   p->service = host->query(host, NAME_INTERFACE);
-  return p->service ? HK_OK : host->fail(host, HK_FAILED, "the scene has no service NAME: add scene:service(\"./NAME.so\")");
+  return p->service ? HK_OK
+                    : host->fail(host, HK_FAILED, "the scene has no service NAME: add scene:service(\"./NAME.so\")");
 }
 
 static hk_status begin(void *self, const hk_view *view, const hk_frame *now) {

@@ -231,8 +231,8 @@ int hk_lua_scene_run(lua_State *L) {
 }
 
 void hk_lua_open_run(lua_State *L) {
-  static const luaL_Reg methods[] = {
-      {"state", state}, {"summary", summary}, {"measures", measures}, {"save", save}, {"packed", packed}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"state", state}, {"summary", summary}, {"measures", measures},
+                                     {"save", save},   {"packed", packed},   {NULL, NULL}};
   luaL_newmetatable(L, hk_lua_run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
