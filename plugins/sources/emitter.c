@@ -27,8 +27,7 @@ typedef struct quantity {
 
 typedef struct emitter {
   hk_flow flow;
-  int64_t burst, capacity;
-  hk_numbers burst_at;
+  int64_t capacity;
   hk_outlet outlet;
   int distribution; /* UNIFORM or LOGNORMAL */
   quantity speed, mass, radius, lifetime, amount;
@@ -43,7 +42,7 @@ typedef struct emitter {
   double *dying; /* the times of deaths in a step, increasing, where the emitter may be full */
   size_t dying_room;
   /* evolving */
-  int64_t seed, borne, bursts, oldest, kept, living, left_out;
+  int64_t seed, borne, oldest, kept, living, left_out;
   hk_array list; /* particles oldest to oldest + kept - 1 */
 } emitter;
 
@@ -68,10 +67,10 @@ static const hk_param params[] = {
     {"from", "s", "time of the first birth", .number = HK_AT(emitter, flow.from), .limits = HK_AT_LEAST(0)},
     {"to", "s", "time from which on the rate emits no more; left out: never", .number = HK_AT(emitter, flow.to),
      .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
-    {"burst", "", "births at once at each time of burst_at", .integer = HK_AT(emitter, burst),
+    {"burst", "", "births at once at each time of burst_at", .integer = HK_AT(emitter, flow.burst),
      .limits = HK_WITHIN(0, 1e8)},
-    {"burst_at", "s", "times of the bursts, increasing", .numbers = HK_AT(emitter, burst_at), .limits = HK_AT_LEAST(0),
-     .flags = HK_OPTIONAL},
+    {"burst_at", "s", "times of the bursts, increasing", .numbers = HK_AT(emitter, flow.burst_at),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {"shape", "", "where: at a point, on a line, disc (across the direction) or sphere, in a ball, on triangles",
      .choice = HK_AT(emitter, outlet.shape), .initial = {HK_OUTLET_POINT},
      .choices = "point|line|disc|sphere|ball|triangles"},
@@ -110,7 +109,7 @@ static const hk_field fields[] = {
     {"rate_at_begin", .number = HK_AT(emitter, flow.begin)},
     {"rate_at_end", .number = HK_AT(emitter, flow.end)},
     {"borne", .integer = HK_AT(emitter, borne)},
-    {"bursts", .integer = HK_AT(emitter, bursts)},
+    {"bursts", .integer = HK_AT(emitter, flow.bursts)},
     {"oldest", .integer = HK_AT(emitter, oldest)},
     {"kept", .integer = HK_AT(emitter, kept)},
     {"living", .integer = HK_AT(emitter, living)},
@@ -136,20 +135,6 @@ static void choose_rate(emitter *e, const hk_host *host) {
              "no rate is given, so that %g particles a second are born: give rate, or rate_of_time, or rate = 0 for "
              "bursts alone",
              by_default);
-}
-
-static hk_status check_times(const emitter *e, const hk_host *host) {
-  for (size_t k = 1; k < e->burst_at.count; k++)
-    if (e->burst_at.value[k] < e->burst_at.value[k - 1])
-      return host->fail(host, HK_BAD_PARAM, "burst_at[%zu]: %g s is before the one before it, %g s", k + 1,
-                        e->burst_at.value[k], e->burst_at.value[k - 1]);
-  if (e->burst > 0 && e->burst_at.count == 0)
-    return host->fail(host, HK_BAD_PARAM, "burst: when? burst_at = { 0.5, 1 } says it, in s");
-  if (e->burst == 0 && e->burst_at.count > 0)
-    return host->fail(host, HK_BAD_PARAM, "burst_at: how many are born then? burst = 100 says it");
-  if (e->flow.to <= e->flow.from)
-    return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", e->flow.to, e->flow.from);
-  return HK_OK;
 }
 
 /* How many will be alive at a time, as far as that is known before the run. */
@@ -186,7 +171,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   emitter *e = self;
   e->seed = (int64_t)(host->random(host) * 0x1p53);
   choose_rate(e, host);
-  hk_status status = check_times(e, host);
+  hk_status status = hk_flow_check(&e->flow, host);
   if (status == HK_OK) status = check_capacity(e, host);
   if (status == HK_OK) status = check_radius(e, host);
   if (status == HK_OK) status = find_channels(e, host, view->model);
@@ -307,20 +292,6 @@ static hk_birth draw_birth(const emitter *e, const hk_view *view, double age, ui
   return birth;
 }
 
-/* The time of the next burst; INFINITY: there is none. */
-static double next_burst(const emitter *e) {
-  size_t k = e->burst > 0 ? (size_t)(e->bursts / e->burst) : e->burst_at.count;
-  return k < e->burst_at.count ? e->burst_at.value[k] : INFINITY;
-}
-
-/* Births by t behind those that were, or some more. */
-static hk_status births_by(const emitter *e, const hk_host *host, double t, double *count) {
-  hk_status status = hk_flow_births(&e->flow, host, e->borne, t, count);
-  for (size_t k = 0; k < e->burst_at.count; k++) *count += e->burst_at.value[k] <= t ? (double)e->burst : 0;
-  *count -= (double)e->bursts;
-  return status;
-}
-
 /* Makes room for all births of the step, to which pointers are given away. */
 static hk_status reserve(emitter *e, const hk_host *host, double births) {
   double kept = (double)e->kept, wanted = kept + fmin(births, (double)e->capacity + kept);
@@ -372,13 +343,13 @@ static hk_status bear_all(emitter *e, call *c, double births) {
   const hk_host *host = c->view->host;
   hk_status status = HK_OK;
   for (double born = 0; status == HK_OK; born++) {
-    double of_rate, of_burst = next_burst(e);
+    double of_rate, of_burst = hk_flow_next_burst(&e->flow);
     status = hk_flow_next(&e->flow, host, e->borne, c->view->t, &of_rate);
     double at = fmin(of_rate, of_burst);
     if (status != HK_OK || !(at <= c->view->t)) break;
     if (born >= births)
       return host->fail(host, HK_BAD_PARAM, "rate_of_time: it gave another number when it was asked again for a time");
-    uint64_t number = of_rate <= of_burst ? 2 * (uint64_t)e->borne++ : 2 * (uint64_t)e->bursts++ + 1;
+    uint64_t number = of_rate <= of_burst ? 2 * (uint64_t)e->borne++ : 2 * (uint64_t)e->flow.bursts++ + 1;
     for (; c->gone < c->deaths && e->dying[c->gone] <= at; c->gone++) e->living--;
     if (e->living < e->capacity)
       status = emit_birth(e, c, at, number);
@@ -392,7 +363,7 @@ static hk_status bear_all(emitter *e, call *c, double births) {
 static hk_status emit(void *self, const hk_view *view, double h, hk_population *population) {
   emitter *e = self;
   double births;
-  hk_status status = births_by(e, view->host, view->t, &births);
+  hk_status status = hk_flow_births(&e->flow, view->host, e->borne, view->t, &births);
   call c = {.view = view, .population = population, .crowded = (double)e->living + births > (double)e->capacity};
   (void)h;
   if (status == HK_OK) status = reserve(e, view->host, births);

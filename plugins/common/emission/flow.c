@@ -1,5 +1,18 @@
 #include "plugins/common/emission/flow.h"
 
+hk_status hk_flow_check(const hk_flow *f, const hk_host *host) {
+  for (size_t k = 1; k < f->burst_at.count; k++)
+    if (f->burst_at.value[k] < f->burst_at.value[k - 1])
+      return host->fail(host, HK_BAD_PARAM, "burst_at[%zu]: %g s is before the one before it, %g s", k + 1,
+                        f->burst_at.value[k], f->burst_at.value[k - 1]);
+  if (f->burst > 0 && f->burst_at.count == 0)
+    return host->fail(host, HK_BAD_PARAM, "burst: when? burst_at = { 0.5, 1 } says it, in s");
+  if (f->burst == 0 && f->burst_at.count > 0)
+    return host->fail(host, HK_BAD_PARAM, "burst_at: how many are born then? burst = 100 says it");
+  if (f->to <= f->from) return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", f->to, f->from);
+  return HK_OK;
+}
+
 static hk_status ask(const hk_flow *f, const hk_host *host, int64_t cell, double *rate) {
   double t = f->from + (double)cell * f->cell;
   hk_status status = host->call(host, f->of_time, &t, 1, rate, 1);
@@ -54,17 +67,28 @@ hk_status hk_flow_next(hk_flow *f, const hk_host *host, int64_t k, double t, dou
   return status;
 }
 
+double hk_flow_next_burst(const hk_flow *f) {
+  size_t k = f->burst > 0 ? (size_t)(f->bursts / f->burst) : f->burst_at.count;
+  return k < f->burst_at.count ? f->burst_at.value[k] : INFINITY;
+}
+
+static double births_of_bursts(const hk_flow *f, double t) {
+  double count = -(double)f->bursts;
+  for (size_t k = 0; k < f->burst_at.count; k++) count += f->burst_at.value[k] <= t ? (double)f->burst : 0;
+  return count;
+}
+
 hk_status hk_flow_births(const hk_flow *f, const hk_host *host, int64_t k, double t, double *count) {
   double end = t < f->to || isnan(f->to) ? t : f->to, whole = (end - f->from) * f->rate;
   hk_flow ahead = *f;
   hk_status status = HK_OK;
-  *count = 0;
+  *count = births_of_bursts(f, t);
   if (!(end >= f->from)) return HK_OK;
   if (f->of_time) {
     status = begin(&ahead, host);
     while (status == HK_OK && cell_starts(&ahead) + f->cell <= end) status = go_on(&ahead, host);
     whole = ahead.before + born_in_cell(&ahead);
   }
-  *count = fmax(0, whole - (double)k + 2);
+  *count += fmax(0, whole - (double)k + 2);
   return status;
 }
