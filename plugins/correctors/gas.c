@@ -27,6 +27,7 @@ typedef struct gas {
   double *flow;                       /* n x 3 */
   double reached, last;               /* s, the end of the last step, and its length, 0: there is none; */
   double earlier;                     /* s, the length of the one before */
+  double left, passed;                /* the largest: part of a cell's volume that a step gained; cells passed in one */
   int64_t said;
   uint32_t *index;
   size_t count, obstacles; /* tracers; obstacles that were entered before */
@@ -110,6 +111,8 @@ static const hk_field fields[] = {
     {"flow", .per_particle = HK_AT(gas, flow), .width = 3, .flags = HK_PUBLISHED},
     {"reached", .number = HK_AT(gas, reached)},
     {"last", .number = HK_AT(gas, last)},
+    {"left", .number = HK_AT(gas, left)},
+    {"passed", .number = HK_AT(gas, passed)},
     {"said", .integer = HK_AT(gas, said)},
     {0},
 };
@@ -298,9 +301,19 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_status status = step(s, c);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < s->count; k++) c->changed |= carry_tracer(s, c, s->index[k]);
+  s->left = fmax(s->left, m->flow.left * c->h);
+  s->passed = fmax(s->passed, courant);
   show(s, view, c->x);
   say(s, view, courant);
   return HK_OK;
+}
+
+static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
+  const gas *s = self;
+  (void)view;
+  figure[0] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
+  figure[1] = (hk_own_figure){"courant", "cells", s->passed, INFINITY};
+  return 2;
 }
 
 /* m: the tracer that is farthest in a wall. */
@@ -316,8 +329,11 @@ static double violation(void *self, const hk_view *view) {
   return most;
 }
 
-static const hk_corrector corrector = {
-    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE | HK_MAY_REJECT, .correct = correct, .violation = violation};
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE | HK_MAY_REJECT,
+                                       .correct = correct,
+                                       .violation = violation,
+                                       .figures = figures};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

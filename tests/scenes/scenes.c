@@ -43,7 +43,7 @@ static const char *options_of(const char *scene) {
       {"granular_gas", "n=100"},
       {"gyroid", "size=0.1"},
       {"hair_methods", "strands=4"},
-      {"harbour", "cell=0.1 --until 0.2"},
+      {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},
       {"hourglass", "n=150"},
       {"knot_in_net", "n=60 around=8 meshes=4"},

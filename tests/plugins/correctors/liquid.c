@@ -371,6 +371,10 @@ static void what_cannot_be_is_refused(void **state) {
   open_tank(&k, 1e-6, 1, 0.01);
   test_particle(&k.e, 0.5, 0, 0.5, 1);
   refused(&k, "take larger cells or a smaller box");
+  open_tank(&k, 0.1, 1, 0.01);
+  test_particle(&k.e, 0.5, 0, 0.5, 1);
+  test_pin(&k.e, HK_PIN_PLANE, 1, (double[]){0, 1, 0});
+  refused(&k, "particle 1 slides on a pin, of which the grid knows nothing");
 }
 
 int main(void) {
