@@ -63,7 +63,7 @@ static hk_status watch(hk_loop *loop) {
 
 double hk_loop_longest_step(hk_loop *loop) {
   double forces = loop->dynamics->demands ? hk_forces_longest_step(loop->dynamics) : INFINITY;
-  return fmin(forces, hk_correctors_longest_step(loop));
+  return loop->plugins->kind[HK_CORRECTOR].count ? fmin(forces, hk_correctors_longest_step(loop)) : forces;
 }
 
 /* The events at the start of a segment: pins are released, forces begin or end to act. The change of energy by an event
