@@ -41,6 +41,7 @@ for k, name in ipairs { "raft", "log", "cork", "stone" } do
   local body = ({ raft, log, cork, stone })[k]
   scene:measure(name, function(s) return body:position(s)[3] end) -- m, its height
 end
-scene:output("frames", { surface = 0.4 * cell, surface_of = "water", plain = { 0.35, 0.6, 0.85 }, color = "none", springs = "off",
+scene:output("frames", { surface = 0.4 * cell, surface_of = "water", surface_look = "water", surface_absorption = { 4, 1.2, 0.5 },
+  plain = { 0.72, 0.5, 0.3 }, color = "none", springs = "off",
   obstacles = false, from = { 2.3, -1.5, 1.7 }, look_at = { 0.8, 0.4, 0.3 }, ground_height = 0 })
 return scene
