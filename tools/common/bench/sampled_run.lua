@@ -98,13 +98,20 @@ local function timed(work, ...)
   return os.clock() - begun, table.unpack(result, 1, result.n)
 end
 
+-- Of a piece of work, from its processor time and its wall time: the processor's clock, which leaves out what else the machine
+-- does, is wrong by some ms on some virtual machines, so that of shorter pieces the wall time counts, the least of many.
+local function least_time(processor, wall)
+  local sure = 0.02
+  return wall < sure and wall or math.min(processor, wall)
+end
+
 local function again(case)
   local options = { threads = case.threads or 1 }
   for _, key in ipairs { "integrator", "solver", "dt", "tol", "until", "seed", "trust" } do options[key] = case[key] end
   local scene = hooke.load(case.scene, case.params, options)
   local run = scene:run { to = 0 }
   local processor = timed(scene.run, scene)
-  return math.min(processor, run:summary().step_wall_s)
+  return least_time(processor, run:summary().step_wall_s)
 end
 
 local function time(case, first)
@@ -133,7 +140,7 @@ function sampled_run.execute(case)
   local motion = { states = {}, t = {}, exact = {}, measures = {} }
   local processor, fine, message = timed(pcall, advance, scene, case, motion)
   local result = first:summary()
-  result.step_s = math.min(processor, result.step_wall_s)
+  result.step_s = least_time(processor, result.step_wall_s)
   if not fine then
     result.failed = bare(message)
     if result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end

@@ -314,6 +314,24 @@ static void tools_load_and_drive_scenes(void **state) {
   assert_int_equal(code, 7);
 }
 
+/* Else what checks a run would run another scene than it. */
+static void trusted_scenes_draw_the_same_numbers_again(void **state) {
+  (void)state;
+  double first = 0;
+  for (int k = 0; k < 3; k++) {
+    hk_script_options options = {.registry = &registry, .trust = k > 0, .run = &run_options};
+    hk_script *script = NULL;
+    error = (hk_error){0};
+    const char *path = test_write("chance.lua", SCENE "scene:particle { mass = 1 + math.random() }\nreturn scene");
+    hk_script_open(path, &options, &script, &error);
+    assert_string_equal(error.text, "");
+    double mass = hk_script_scene(script)->particles.mass[0];
+    if (k > 0 && mass != first) fail_msg("%.17g kg, and %.17g kg again", first, mass);
+    first = mass;
+    hk_script_close(script);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_call_of_a_force_has_a_budget_of_its_own),
@@ -336,6 +354,7 @@ int main(void) {
       cmocka_unit_test(a_state_knows_what_plugins_publish),
       cmocka_unit_test(a_mesh_knows_its_sides_and_what_faces_across_them),
       cmocka_unit_test(tools_load_and_drive_scenes),
+      cmocka_unit_test(trusted_scenes_draw_the_same_numbers_again),
   };
   return cmocka_run_group_tests(tests, open_registry, close_registry);
 }
