@@ -21,7 +21,7 @@ typedef struct hk_correction {
   double *x;              /* n x 3, to be modified; pins and constraints are imposed again afterwards */
   double *v;              /* n x 3 */
   bool changed;           /* to be set when x or v was changed: integrators then reset their history */
-  double work;            /* J, change of the scene's energy by it; counts where the host cannot tell by the states */
+  double work;            /* J, change of the scene's energy by the correction */
   bool reject; /* the host is to repeat the step with half its length; it restores the state, not the fields of
                   correctors */
   const double *v_before; /* n x 3, velocities before the step; NULL without HK_WANTS_BEFORE */

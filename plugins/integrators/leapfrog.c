@@ -21,6 +21,7 @@ typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
   int64_t newest; /* which of the two a it is */
   double *slope;  /* a twice, n x 3 each, and dy */
+  double power;   /* W, of the forces at the start of the step */
 } leapfrog;
 
 static const hk_field fields[] = {
@@ -66,25 +67,73 @@ static hk_status prime(leapfrog *m, hk_system *s) {
   return status;
 }
 
-/* For forces that are linear, steps keep H - h^2/8 sum of m a^2 exactly (H = kinetic + potential energy: multiply v' -
- * v = h/2 (a + a') by v' + v = 2 (x' - x)/h + h/2 (a' - a)), so that the kinetic energy strays from the work of m a by
- * the change of the second term. A correction of neighbours changes a at the end, too: what counts is that from which
- * the next step goes on. */
-static hk_status account(void *self, const void *method, hk_system *s, const double *end, double h, double *strayed) {
-  leapfrog *m = self;
-  (void)method;
-  *strayed = NAN;
-  if (s->constraint && s->constraint->holonomic) return HK_OK; /* the slope is that of RATTLE's next step */
-  const double *a_from = slope_of(m, s, m->newest + 1), *a_to = slope_of(m, s, m->newest);
-  hk_status status = prime(m, s);
-  m->primed = status == HK_OK;
-  if (status != HK_OK) return status;
+/* kg m^2/s^4: the sum of m a^2 over the free particles. */
+static double weigh(const hk_model *model, const double *a) {
   double sum = 0;
-  for (size_t i = 0; i < s->n; i++)
-    if (s->model->inverse_mass[i] > 0 && hk_corrected_left(s->X, end, s->n, i))
-      for (size_t k = 3 * i; k < 3 * i + 3; k++) sum += s->model->mass[i] * (a_to[k] * a_to[k] - a_from[k] * a_from[k]);
-  *strayed = h * h / 8 * sum;
-  return HK_OK;
+  for (size_t i = 0; i < model->n; i++)
+    if (model->inverse_mass[i] > 0)
+      sum += model->mass[i] * (a[3 * i] * a[3 * i] + a[3 * i + 1] * a[3 * i + 1] + a[3 * i + 2] * a[3 * i + 2]);
+  return sum;
+}
+
+/* kg m^2/s^4: by how much the sum of m (a^2 - b^2) has changed from the start of the step, in `spare`, to its end;
+ * a_from and a_to are those there. b is what a correction leaves of a: none where it takes back what the velocity has
+ * gained in the step, and all where it is not against it. end: before the correction. */
+static double borne_more(const hk_system *s, const double *a_from, const double *a_to, const double *end) {
+  const double *before = s->spare + 3 * s->n, *free = end + 3 * s->n, *v = s->X + 3 * s->n;
+  double sum = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    double from = 0, to = 0, gained = 0, square = 0;
+    if (!(s->model->inverse_mass[i] > 0)) continue;
+    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+      double change = v[k] - free[k];
+      from += a_from[k] * change;
+      to += a_to[k] * change;
+      gained -= (free[k] - before[k]) * change;
+      square += change * change;
+    }
+    if (!(square > 0) || !(gained > 0)) continue;
+    double left = fmax(0, 1 - square / gained);
+    sum += s->model->mass[i] * (1 - left * left) * (to * to - from * from) / square;
+  }
+  return sum;
+}
+
+/* W, of pins and forces in the middle of the step from `spare` to `end`: at the mean of both positions, with their
+ * difference over h as velocity. Writes over `spare`, and over the slope that is not the newest. */
+static hk_status power_in_the_middle(leapfrog *m, hk_system *s, const double *end, double h, double *watt) {
+  size_t v = 3 * s->n;
+  double *x = s->spare, *middle = x + v, *dy = x + 2 * v;
+  for (size_t e = 0; e < v; e++) {
+    middle[e] = (end[e] - x[e]) / h;
+    x[e] = (x[e] + end[e]) / 2;
+  }
+  hk_status status = s->accelerations(s, s->t - h / 2, x, middle, s->X + 2 * v, slope_of(m, s, m->newest + 1), dy);
+  *watt = dy[s->size - 2 * v - 1];
+  return status;
+}
+
+/* For forces that are linear, steps keep H - h^2/8 sum of m a^2 exactly, of which a corrector changes both terms (H =
+ * kinetic + potential energy: multiply v' - v = h/2 (a + a') by v' + v = 2 (x' - x)/h + h/2 (a' - a)). In the same
+ * identity the work of damping is its sum with the velocity in the middle, (x' - x)/h; the sum of the ends' powers P
+ * and P' has h/2 (P + P') - h P(middle) too much, of the order of h^3 a step unless a corrector takes back what the
+ * velocity has gained in every step, as contact does that bears a load. */
+static hk_status account(void *self, const void *method, hk_system *s, const double *end, double h, hk_corrected *out) {
+  leapfrog *m = self;
+  size_t rest = s->size - 6 * s->n;
+  double *dy = rates_of(m, s), kept = weigh(s->model, slope_of(m, s, m->newest)), at_end = dy[rest - 1], middle = 0;
+  (void)method;
+  if (s->constraint && s->constraint->holonomic) return HK_OK; /* the slope is that of RATTLE's next step */
+  hk_status status = prime(m, s);
+  if (status != HK_OK) return status;
+  const double *a = slope_of(m, s, m->newest);
+  kept = h * h / 8 * (kept - weigh(s->model, a) + borne_more(s, slope_of(m, s, m->newest + 1), a, end));
+  double after = dy[rest - 1];
+  if (m->power != 0 || at_end != 0 || after != 0) status = power_in_the_middle(m, s, end, h, &middle);
+  m->primed = status == HK_OK;
+  out->work = kept + h * (middle - (m->power + at_end) / 2);
+  out->correction = kept + h * (middle - (m->power + after) / 2);
+  return status;
 }
 
 /* The step in a scene with constraints: RATTLE. */
@@ -107,6 +156,7 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   if (s->constraint && s->constraint->holonomic) return constrained_step(m, s, t_next, h);
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
+  m->power = dy[s->size - y - 1];
   double *a_next = slope_of(m, s, m->newest + 1);
   hk_leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h, s->host->lanes};
   predict_rest(next + y, X + y, dy, s->size - y, h);

@@ -157,9 +157,6 @@ double hk_query_potential(hk_dynamics *, double t, const double *X);
 bool hk_query_has_energy(const hk_dynamics *); /* the work done on the scene is known */
 /* F of force k alone at X, of n particles (n x 3, from 0). The run's error does not change. False: the force failed. */
 bool hk_query_force(hk_dynamics *, size_t k, const double *X, size_t n, double *F);
-/* Adds all forces that act at X to F (n x 3), or only those whose energy hk_query_potential sums, without the part of
- * them that depends on velocities where those of X are 0. False: one of them failed. */
-bool hk_query_forces(hk_dynamics *, const double *X, bool with_potential, double *F);
 /* largest by magnitude; label NULL: of all forces */
 double hk_query_strain(const hk_dynamics *, const char *label, bool *found);
 

@@ -7,19 +7,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Force k acts, and what it does is the change of its energy, but for what is in its power. */
-static bool has_potential(const hk_dynamics *d, size_t k) {
-  const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
-  return d->force_acts[k] && d->takes[k] && force->plugin->force->energy && !hk_work_unaccounted(force);
-}
-
 double hk_query_potential(hk_dynamics *d, double t, const double *X) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
   double sum = 0;
   if (d->lost) return NAN;
   for (size_t k = 0; k < forces->count; k++) {
     const hk_instance *force = forces->item[k];
-    if (!has_potential(d, k)) continue;
+    if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->energy || hk_work_unaccounted(force)) continue;
     hk_view view = hk_force_view_at(d, k, t, X, d->state->model.n);
     const hk_instance *outer = hk_enter(force);
     sum += force->plugin->force->energy(force->self, &view);
@@ -37,30 +31,18 @@ bool hk_query_has_energy(const hk_dynamics *d) {
   return true;
 }
 
-static bool add_of_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
+bool hk_query_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
   const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
   if (d->lost) return false;
   hk_view view = hk_force_view_at(d, k, d->state->t, X, n);
   double power = 0;
   hk_error kept = *d->error;
   view.power = &power;
+  memset(F, 0, 3 * n * sizeof *F);
   const hk_instance *outer = hk_enter(force);
   bool fine = hk_force_add(force, &view, F) == HK_OK;
   hk_leave(force, outer);
   *d->error = kept;
-  return fine;
-}
-
-bool hk_query_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
-  if (!d->lost) memset(F, 0, 3 * n * sizeof *F);
-  return add_of_force(d, k, X, n, F);
-}
-
-bool hk_query_forces(hk_dynamics *d, const double *X, bool with_potential, double *F) {
-  bool fine = true;
-  for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count && fine; k++)
-    if (with_potential ? has_potential(d, k) : d->force_acts[k] && d->takes[k])
-      fine = add_of_force(d, k, X, d->state->model.n, F);
   return fine;
 }
 

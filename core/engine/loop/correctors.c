@@ -95,13 +95,12 @@ static double energy_of(hk_loop *loop, const double *X) {
 }
 
 static bool is_measured(const hk_loop *loop, const hk_corrector *functions) {
-  bool settled = loop->work_of_step && hk_correctors_need_start(loop) && !loop->dynamics->constrain;
-  return functions->flags & HK_REPORTS_WORK && loop->method->order > 1 && !settled;
+  return functions->flags & HK_REPORTS_WORK && loop->method->order > 1;
 }
 
-/* Where `settle` may not know it, a corrector's work is measured: it knows that of its moves to the order of the step.
- * Its own figure counts where a force has no energy in the state that was corrected, as a barrier in an overlap, with
- * methods of order 1, whose positions and velocities are not those of one time. */
+/* A corrector knows the energy of its moves to the order of the step alone, so it is measured. Its own figure counts
+ * where a force has no energy in the state that was corrected, as a barrier in an overlap, and with methods of order 1,
+ * whose positions and velocities are not those of one time. */
 static void note(account *a, hk_loop *loop, const hk_corrector *functions, const hk_correction *c) {
   hk_state *s = loop->state;
   bool reports = functions->flags & HK_REPORTS_WORK;
@@ -124,18 +123,21 @@ static void commit(hk_record *record, const account *a) {
   record->contact_work += a->contact;
 }
 
-/* The work of the whole step, in place of what it and its correctors have counted, where that is known. */
+/* A method that keeps an energy of its own loses or gains what the correction does in that. */
 static hk_status settle(hk_loop *loop, account *a, double h) {
+  const hk_corrected_facet *facet = &hk_integrator_tables_of(loop->method)->corrected;
   hk_state *s = loop->state;
-  hk_work_of_step done = {NAN, NAN};
+  hk_instance *instance = loop->integrator;
+  hk_corrected more = {0};
   hk_status status = hk_forces_settle(loop->dynamics);
-  bool asks = loop->work_of_step && !a->silent && hk_correctors_need_start(loop);
-  if (status == HK_OK && asks) status = loop->work_of_step(loop, h, &done);
-  if (status != HK_OK || !isfinite(done.all)) return status;
-  s->X[s->size - 1] = loop->X_before[s->size - 1] + done.all;
-  a->contact += a->touched ? done.corrections - a->work : 0;
-  a->work = done.corrections;
-  return HK_OK;
+  if (status != HK_OK || a->silent || !facet->account) return status;
+  const hk_instance *outer = hk_enter(instance);
+  status = facet->account(instance->self, loop->method->method, &loop->dynamics->system, loop->X_end, h, &more);
+  status = hk_leave_with(instance, outer, "account", status);
+  s->X[s->size - 1] += more.work;
+  a->work += more.correction;
+  a->contact += a->touched ? more.correction : 0;
+  return status;
 }
 
 static hk_status reject(hk_loop *loop, const hk_instance *corrector, double part, bool *rejected) {

@@ -96,13 +96,6 @@ typedef struct hk_attempt hk_attempt;
 typedef hk_status hk_step_stage(hk_loop *, hk_attempt *);
 enum { HK_STAGES = 12 };
 typedef struct hk_population_change hk_population_change;
-typedef struct hk_corrections hk_corrections;
-
-/* J, of a step that correctors ended: of all but the forces with a potential, and of it the correctors'. NAN: not
- * known. */
-typedef struct hk_work_of_step {
-  double all, corrections;
-} hk_work_of_step;
 
 struct hk_loop {
   hk_state *state;
@@ -121,13 +114,10 @@ struct hk_loop {
    * scene has no sources. */
   hk_status (*emit)(hk_loop *, double h, unsigned when);
   hk_population_change *population; /* of `emit` */
-  /* From X_before to X_end, and from there to the corrected state (core/numerics/corrections); NULL: not known. */
-  hk_status (*work_of_step)(hk_loop *, double h, hk_work_of_step *out);
-  hk_corrections *corrections; /* of `work_of_step` */
-  double last_h;               /* s; 0: no step yet */
-  bool between_steps;          /* it was interrupted there, with nothing half done */
-  bool emitted;                /* the sources were called for the coming step */
-  double *X_end;               /* the state at the end of a step, before correctors; NULL: not needed */
+  double last_h;                    /* s; 0: no step yet */
+  bool between_steps;               /* it was interrupted there, with nothing half done */
+  bool emitted;                     /* the sources were called for the coming step */
+  double *X_end;                    /* the state at the end of a step, before correctors; NULL: not needed */
   double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before, room_end;
   hk_record record_before; /* where a step may be rejected */

@@ -1,8 +1,6 @@
 /* Hands the engine what a scene needs of core/numerics: motions of pins, constraints, matrices with their solvers,
- * births and deaths, the work of corrections. A scene without one of them leaves the engine's pointer NULL, and pays
- * nothing. */
+ * births and deaths. A scene without one of them leaves the engine's pointer NULL, and pays nothing. */
 #include "core/engine/contract/contract.h"
-#include "core/numerics/corrections/corrections.h"
 #include "core/numerics/functions/functions.h"
 #include "core/numerics/implicit/implicit.h"
 #include "core/numerics/population/population.h"
@@ -62,10 +60,6 @@ hk_status hk_install_sources(hk_loop *loop) {
   return loop->population ? HK_OK : hk_error_set(loop->error, HK_NO_MEMORY, "no memory for births and deaths");
 }
 
-hk_status hk_install_corrections(hk_loop *loop) {
-  return loop->plugins->kind[HK_CORRECTOR].count == 0 ? HK_OK : hk_corrections_open(loop);
-}
-
 void hk_install_close(hk_dynamics *d, hk_loop *loop) {
   hk_asked_solvers_close(d);
   hk_bodies_close(d);
@@ -73,5 +67,4 @@ void hk_install_close(hk_dynamics *d, hk_loop *loop) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
   hk_population_close(loop->population);
-  hk_corrections_close(loop->corrections);
 }

@@ -20,8 +20,6 @@ const void *hk_install_asked_solvers(hk_dynamics *, const hk_plugin_spec *scene)
 const void *hk_install_bodies(hk_dynamics *);
 /* Births and deaths, in a scene with sources. */
 hk_status hk_install_sources(hk_loop *);
-/* The work of steps that correctors end, in a scene with correctors. */
-hk_status hk_install_corrections(hk_loop *);
 /* Frees all of it; the parts may be zero. */
 void hk_install_close(hk_dynamics *, hk_loop *);
 

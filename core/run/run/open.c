@@ -245,7 +245,6 @@ static hk_status build(hk_run *run, hk_scene *scene) {
   if (status != HK_OK) return status;
   connect_parts(run);
   status = hk_install_sources(&run->loop);
-  if (status == HK_OK) status = hk_install_corrections(&run->loop);
   if (status != HK_OK) return status;
   status = hk_judgement_open(&run->judgement, run->scene, &run->error);
   if (status == HK_OK) status = hk_run_start_plugins(run);
