@@ -8,6 +8,7 @@
  * adds momentum that is not there. Its work is not known, so the energy balance of such a run is not either. */
 #include "plugins/common/gas/gas.h"
 #include "plugins/common/gas/gas_start.h"
+#include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/volume/volume.h"
 
@@ -119,29 +120,11 @@ static const hk_field fields[] = {
 
 /* ---- the start ---- */
 
-static void mark(const hk_tuples *t, bool *joined) {
-  for (size_t k = 0; k < t->count * t->arity; k++) joined[t->index[k]] = true;
-}
-
 static hk_status choose_tracers(gas *s, const hk_view *view) {
-  const hk_model *m = view->model;
   s->host->release(s->host, s->index);
   s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
-  bool *joined = s->host->allocate(s->host, view->n + 1);
-  if (!s->index || !joined) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  mark(&s->sources, joined);
-  if (!s->particles.count) {
-    mark(&m->edges, joined);
-    mark(&m->triangles, joined);
-  }
-  s->count = 0;
-  for (size_t k = 0; k < (s->particles.count ? s->particles.count : view->n); k++) {
-    uint32_t i = s->particles.count ? *hk_tuple(&s->particles, k) : (uint32_t)k;
-    if (!joined[i] && m->pin[i] == HK_FREE && m->inverse_mass[i] > 0 && !(m->inside && m->inside[i]))
-      s->index[s->count++] = i;
-  }
-  s->host->release(s->host, joined);
-  return HK_OK;
+  if (!s->index) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  return hk_carried_find(s->host, view, &s->particles, &s->sources, s->index, &s->count);
 }
 
 static void choose_fields(gas *s) {

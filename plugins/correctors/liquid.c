@@ -12,6 +12,7 @@
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/liquid_viscosity.h"
+#include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
@@ -102,44 +103,13 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Of cloth, strands and meshes. */
-static void mark(const hk_tuples *t, bool *joined) {
-  for (size_t k = 0; k < t->count * t->arity; k++) joined[t->index[k]] = true;
-}
-
-/* What slides on a pin would be left out, and fall through the liquid without a word. */
-static hk_status check_pin(const liquid *s, const hk_model *model, uint32_t i) {
-  if (model->pin[i] != HK_PIN_LINE && model->pin[i] != HK_PIN_PLANE) return HK_OK;
-  return s->host->fail(s->host, HK_BAD_PARAM,
-                       "particles: particle %u slides on a pin, of which the grid knows nothing: for a liquid in a "
-                       "plane leave the pin out and give `low` and `high` the same number along its normal",
-                       model->id[i]);
-}
-
 static hk_status choose(liquid *s, const hk_view *view) {
   s->host->release(s->host, s->index);
   s->host->release(s->host, s->came);
   s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
   s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
-  bool *joined = s->host->allocate(s->host, view->n + 1);
-  if (!s->index || !s->came || !joined)
-    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  const hk_model *model = view->model;
-  size_t listed = s->particles.count ? s->particles.count : view->n;
-  if (!s->particles.count) {
-    mark(&model->edges, joined);
-    mark(&model->triangles, joined);
-  }
-  hk_status status = HK_OK;
-  s->count = 0;
-  for (size_t k = 0; k < listed && status == HK_OK; k++) {
-    uint32_t i = s->particles.count ? *hk_tuple(&s->particles, k) : (uint32_t)k;
-    if (!joined[i]) status = check_pin(s, model, i);
-    if (!joined[i] && model->pin[i] == HK_FREE && model->inverse_mass[i] > 0 && !(model->inside && model->inside[i]))
-      s->index[s->count++] = i;
-  }
-  s->host->release(s->host, joined);
-  return status;
+  if (!s->index || !s->came) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  return hk_carried_find(s->host, view, &s->particles, NULL, s->index, &s->count);
 }
 
 /* m: of cubes or squares with the mean volume of a particle twice the side. */

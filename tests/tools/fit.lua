@@ -1,23 +1,15 @@
 -- hooke fit as a user meets it: stiffness and damping from a motion given by its formula, a minimum beside the best one,
 -- parameters that the data cannot tell, an interrupted fit that goes on, and what is refused before the first run.
+package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
+local files = require("files")
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
 
 local folder = os.tmpname()
 os.remove(folder)
 assert(os.execute("mkdir -p " .. folder))
 
-local function write(name, text)
-  local file = assert(io.open(folder .. "/" .. name, "w"))
-  file:write(text)
-  file:close()
-end
-
-local function read(name)
-  local file = assert(io.open(folder .. "/" .. name), name)
-  local text = file:read("a")
-  file:close()
-  return text
-end
+local function write(name, text) files.write(folder .. "/" .. name, text) end
+local function read(name) return assert(files.read(folder .. "/" .. name), name) end
 
 -- The exit code and all that is printed.
 local function fit(arguments, before)

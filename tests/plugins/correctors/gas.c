@@ -200,6 +200,11 @@ static void what_cannot_be_is_refused(void **state) {
   hold(&r, 1e-5, 1);
   test_particle(&r.e, 0.5, 0, 0, 1);
   refused(&r, "take larger cells or a smaller box, or allow more");
+  open_room(&r, 0.01);
+  hold(&r, 0.1, 1);
+  test_particle(&r.e, 0.5, 0, 0.5, 1);
+  test_pin(&r.e, HK_PIN_PLANE, 1, (double[]){0, 1, 0});
+  refused(&r, "particle 1 slides on a pin, of which the grid knows nothing");
 }
 
 /* They would strike tracers that the gas has moved; and heat that spreads over a thousand cells in a step. */
