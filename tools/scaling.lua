@@ -9,7 +9,7 @@ local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local files = require("common.run.file")
-local split = require("common.bench.methods").split
+local methods = require("common.bench.methods")
 local plot = require("common.run.plot")
 local progress = require("common.run.progress")
 
@@ -49,24 +49,9 @@ local function take_sizes(given)
     end
   end
   if not found then return nil, "no parameter has several values: name the one that sets the size, N=10,32,100" end
-  local values = split(given[found])
+  local values = methods.split(given[found])
   given[found] = nil
   return found, values
-end
-
--- "a:x=1,y=2@0.01,b" -> two methods, the first with a step of its own.
-local function methods_of(text)
-  local list = {}
-  for k, word in ipairs(text and split(text) or {}) do list[k] = { integrator = word } end
-  for _, method in ipairs(list) do
-    local name, dt = method.integrator:match("^(.*)@([^@]*)$")
-    method.label = method.integrator
-    if name then
-      method.integrator, method.dt = name, tonumber(dt)
-      if not (method.dt and method.dt > 0) then return nil, ("'%s' is not a step in s"):format(dt) end
-    end
-  end
-  return #list > 0 and list or { { label = "the scene's method" } }
 end
 
 local function lines_of(path)
@@ -221,8 +206,9 @@ local function options()
   if not o.scene then return nil, why or "no scene is named" end
   o.name, o.values = take_sizes(o.params)
   if not o.name then return nil, o.values end
-  o.methods, why = methods_of(o.integrators)
+  o.methods, why = methods.with_steps(o.integrators)
   if not o.methods then return nil, why end
+  if #o.methods == 0 then o.methods = { { label = "the scene's method" } } end
   o.out = o.out or "out/scaling/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
 end

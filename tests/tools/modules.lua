@@ -123,6 +123,7 @@ local more = {
   explain = { scene, scene .. " --cost --out out/cost" },
   gallery = { "../scenes/list.lua --out out/gallery" },
   new = { "scene mine", "force mine" },
+  paths = { scene .. " --integrators euler,rk4@0.05 --out out/paths" },
   plugins = { "", "springs" },
   scaling = { scene .. " k=10,20 --budget 0.5 --out out/scaling" },
   stability = { "--integrators leapfrog --out out/linear", scene .. " --integrators leapfrog --over k=100 --out out/limits" },

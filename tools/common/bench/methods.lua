@@ -55,6 +55,18 @@ function methods.split(text)
   return list
 end
 
+-- "a:x=1,y=2@0.01,b" -> two methods, { integrator =, label =, dt = }, the first with a step of its own, s; or nil and why
+-- not. No text: none.
+function methods.with_steps(text)
+  local list = {}
+  for k, word in ipairs(text and methods.split(text) or {}) do
+    local name, dt = word:match("^(.*)@([^@]*)$")
+    list[k] = { label = word, integrator = name or word, dt = tonumber(dt) }
+    if name and not (list[k].dt and list[k].dt > 0) then return nil, ("'%s' is not a step in s"):format(dt) end
+  end
+  return list
+end
+
 -- The methods that the user names: a plugin's name means all its variants, "name:parameter=value" this variant only.
 function methods.chosen(catalogue, steps, text)
   local all, list, names, by_name = methods.all(catalogue, steps), {}, {}, {}
