@@ -59,6 +59,7 @@ end
 
 local words = { "convert trajectory.h5 --to csv --out out.csv", "convert trajectory.h5 --to ply --out out",
   "convert trajectory.h5 --to vtkhdf --out out.h5", "convert trajectory.h5 --to pc2 --out out", "convert . --to obj --out out",
+  "convert trajectory.h5 --to gltf --out out.glb",
   "view . --page page.html --quiet" }
 
 run.fuzz {

@@ -3,6 +3,7 @@
 #include "plugins/common/recording/recording.h"
 #include "tools/native/formats/csv.h"
 #include "tools/native/formats/formats.h"
+#include "tools/native/formats/gltf.h"
 #include "tools/native/formats/pc2.h"
 #include "tools/native/common/tool_host.h"
 #include "plugins/common/frame_data/gatherer.h"
@@ -246,6 +247,36 @@ static int point_cache(lua_State *L) {
   return answer(L, c, fine, written);
 }
 
+/* Whether the particles or cells of frame k are others than those of the frame that was taken before. */
+static bool has_changed(const conversion *c, const surfaces *s, size_t k) {
+  return s->host || (k > c->from && c->recording->frame[k].part != c->recording->frame[k - c->every].part);
+}
+
+static bool write_gltf(conversion *c, surfaces *s, const char *path, bool z_up, lua_Integer *written) {
+  char why[256] = "";
+  hk_gltf g = {0};
+  bool fine = hk_gltf_open(&g, path, (c->to - c->from) / c->every + 1, z_up, why, sizeof why), read = fine;
+  for (size_t k = c->from; k <= c->to && fine && read; k += c->every, *written += fine && read) {
+    const hk_frame_data *data = shoot(c, k) ? shown(c, s) : NULL;
+    read = data != NULL;
+    if (read) fine = hk_gltf_add(&g, data, has_changed(c, s, k), why, sizeof why);
+  }
+  if (!hk_gltf_close(&g, fine && read, why, sizeof why)) fine = false;
+  if (!fine) cannot_write(c, path, why);
+  return fine && read;
+}
+
+/* c:gltf(path, z_up, surface): with a table `surface` as sequence -> number of frames; or nil, reason */
+static int gltf(lua_State *L) {
+  conversion *c = at(L);
+  const char *path = luaL_checkstring(L, 2);
+  surfaces surface;
+  lua_Integer written = 0;
+  bool fine = surfaces_open(&surface, L, 4, c) && write_gltf(c, &surface, path, lua_toboolean(L, 3), &written);
+  surfaces_close(&surface);
+  return answer(L, c, fine, written);
+}
+
 /* ---- a recording again ---- */
 
 static double figure(const hk_recording *r, const char *name, size_t k) {
@@ -323,8 +354,9 @@ static int record(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_conversion(lua_State *L);
 
 int luaopen_conversion(lua_State *L) {
-  static const luaL_Reg methods[] = {{"sequence", sequence}, {"table", table},           {"point_cache", point_cache},
-                                     {"recording", record},  {"close", free_conversion}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {
+      {"sequence", sequence},     {"table", table}, {"point_cache", point_cache}, {"recording", record}, {"gltf", gltf},
+      {"close", free_conversion}, {NULL, NULL}};
   static const luaL_Reg functions[] = {{"open", open_conversion}, {NULL, NULL}};
   luaL_newmetatable(L, type_name);
   luaL_newlib(L, methods);

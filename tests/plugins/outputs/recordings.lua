@@ -276,7 +276,7 @@ refused("no whole HDF5 file", "convert damaged.h5 --to ply", files.write(at("dam
   files.read(at("sheet/trajectory.h5")):sub(1, 20000)))
 refused("no whole HDF5 file", "convert sheet.lua --to ply")
 -- A limit of the size of files, 512 or 1024 bytes, is as a full disk: it is said by its name, and no half of a file stays.
-for _, format in ipairs { "csv", "pc2", "vtkhdf", "xdmf", "ply", "vtk" } do
+for _, format in ipairs { "csv", "pc2", "vtkhdf", "xdmf", "ply", "vtk", "gltf" } do
   assert(shell("cd %s && rm -rf full && mkdir full", folder))
   local fine = shell("cd %s && (ulimit -f 1; %s/hooke convert sheet --to %s --out full/x >log 2>&1)", folder, build, format)
   assert(not fine and files.read(at("log")):find("cannot write full/x[^:]*: File too large\n"), files.read(at("log")))
