@@ -4,6 +4,7 @@
 # make study      the programs of tests/study (hours)
 # make fuzz       random input, SECONDS=60 of each kind of tests/fuzz, SEED=1 or another; best with SANITIZE=1
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
+# make lib        libhooke.so, for C (core/app/hooke/hooke.h) and Python
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
 #                 arm64 under emulation (as root, minutes)
@@ -11,7 +12,8 @@
 # CROSS=aarch64-linux-gnu SYSROOT=FOLDER: for another processor, with the libraries in that folder, in build/aarch64-linux-gnu
 # SANITIZE=1: with sanitizers, in build/sanitize. ONLY=TEXT: only the tests with TEXT in their path. V=1: show commands.
 # The folders are the lists: a C file in plugins/KIND is a plugin, in tools/native a Lua module, in tests a file of the test program of its folder,
-# in tests/fixtures a plugin for tests, in tests/standalone a program on build/engine.a, in tests/bench a benchmark.
+# in tests/fixtures a plugin for tests, in tests/standalone a program on build/engine.a, in tests/library one on libhooke, in
+# tests/bench a benchmark.
 # Nothing has to be added here for a new one.
 
 PREFIX ?= /usr/local
@@ -124,14 +126,15 @@ modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(filter-out $(LEFT_OUT),$
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
-test_files := $(filter-out $(LEFT_OUT) tests/standalone/% tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% \
+test_files := $(filter-out $(LEFT_OUT) tests/standalone/% tests/library/% tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% \
                 tests/study/%,$(sort $(shell find tests -name '*.c')))
 # One program a folder, with all of its files.
 in_room  = $(foreach f,$(test_files),$(if $(filter $1,$(dir $f)),$f))
 tests    := $(patsubst %,$B/%all,$(sort $(dir $(if $(ONLY),$(foreach f,$(test_files:.c=),$(if $(findstring $(ONLY),$f),$f)),$(test_files)))))
 standalone := $(patsubst tests/%.c,$B/%,$(wildcard tests/standalone/*.c))
+users    := $(patsubst tests/%.c,$B/%,$(wildcard tests/library/*.c))
 compiled := $(core) $B/obj/core/app/command/main.o $(common) $(by_tools) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
-              tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c tests/standalone/*.c) $(test_files))
+              tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c tests/standalone/*.c tests/library/*.c) $(test_files))
 
 # hooke takes the folder for the list as well: a plugin goes when its source goes.
 $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugins/*/*.so $B/tools/*.so \
@@ -151,15 +154,17 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build test-programs bench-programs run test fuzz bench study clean format lint install deb test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb test-long
 
 all: build
-build: $B/hooke $B/engine.a $(plugins) $(defaults) $(modules)
+build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
 	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
 	$(if $(ZLIB),@:,@echo "hooke is built without pages (hooke view): tools/install-deps run gets zlib")
 	$(if $(HTTPD),@:,@echo "hooke is built without its server of live pages (hooke run --watch): tools/install-deps run gets libmicrohttpd")
 	$(if $(HDF5),@:,@echo "hooke is built without HDF5 (plugins/outputs/trajectory): tools/install-deps run gets it")
+
+lib: $B/libhooke.so $(plugins) $(defaults)
 
 check:
 	$(if $(CHECKED),@:,@$(WITH_CC) tools/install-deps --check build)
@@ -176,7 +181,7 @@ test:
 	@$(WITH_CC) tools/install-deps test
 	$(again) test-programs
 	@HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" tests/run $B $(if $(ONLY),--only "$(ONLY)") $(tests)
-test-programs: build $(fixtures) $(standalone) $(tests)
+test-programs: build $(fixtures) $(standalone) $(users) $(tests)
 bench-programs: $(benches) $(studies)
 
 # What takes long, and what wants a system or a processor of its own, that as root.
@@ -219,6 +224,7 @@ $B/obj/tools/%.o: EXTRA = $(LUA_CFLAGS) $(HDF5_CFLAGS)
 $B/obj/plugins/%.o: EXTRA = $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS)
 $B/obj/tests/%.o: EXTRA = $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS) \
   -DHK_ROOT='"$(CURDIR)"' -DHK_BUILD='"$(CURDIR)/$B"'
+$B/obj/tests/library/%.o: EXTRA = -Icore/app/hooke
 $B/obj/%.o: %.c $B/settings | check
 	@mkdir -p $(@D)
 	$(call say,compile)
@@ -234,6 +240,7 @@ $B/core.a $B/engine.a $B/plugins/common.a $B/tools/common.a $B/tests/support.a: 
 	$(call say,archive)
 	$(Q)$(AR) rcs $@ $(filter %.o,$^)
 
+comma := ,
 # Programs and shared objects take from the archives, and of the libraries, what they use and no more.
 link = $(call say,link   )
 link_with = $(Q)mkdir -p $(@D) && $(CC) $(CFLAGS) $1 $(LINK) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LIBS) -ldl -lpthread -lm
@@ -256,6 +263,14 @@ $B/bench/rivals $B/bench/orbits: LIBS += -lsundials_cvode -lsundials_arkode $(SU
 $B/hooke: $B/obj/core/app/command/main.o $B/core.a
 	$(link)
 	$(call link_with,-pie)
+# Of core.a what the functions of hooke.h need; these alone are seen. The number changes with what programs may rely on.
+soname := libhooke.so.0
+$B/$(soname): LIBS = $(LUA_LIBS)
+$B/$(soname): $(filter $B/obj/core/app/hooke/%,$(core)) $B/core.a
+	$(link)
+	$(call link_with,-shared $(COMPLETE) -Wl$(comma)-soname$(comma)$(soname))
+$B/libhooke.so: $B/$(soname)
+	$(Q)ln -sf $(soname) $@
 $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared $(COMPLETE))
@@ -286,6 +301,11 @@ $B/obj/tests/%/all.o: $B/obj/tests/%/all.c
 	$(Q)$(CC) $(FLAGS) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
 # On the engine alone.
 $(standalone): $B/%: $B/obj/tests/%.o $B/engine.a
+	$(link)
+	$(call link_with)
+# On libhooke alone, with the header that is installed.
+$(users): LIBS = -L$B -lhooke -Wl,-rpath,'$$ORIGIN/..'
+$(users): $B/%: $B/obj/tests/%.o $B/libhooke.so
 	$(link)
 	$(call link_with)
 $(benches): $B/bench/%: $B/obj/tests/bench/%.o $(archives)
@@ -320,14 +340,27 @@ Description: the interface of hooke's plugins
 Version: $(version)
 Cflags: -I$${prefix}/include/hooke $(NUMBERS)
 endef
+# What builds a program on libhooke: cc pendulum.c $$(pkg-config --cflags --libs libhooke)
+define pkg_config_of_library
+prefix=$(PREFIX)
+
+Name: libhooke
+Description: runs of hooke's scenes inside of a program
+Version: $(version)
+Cflags: -I$${prefix}/include
+Libs: -L$${prefix}/lib -lhooke
+endef
 # Several installations at once, as of tests, have a file each.
 install: make_id := $(shell echo $$PPID)
 install: build
 	install -D -t $(to)/bin $B/hooke
+	install -D -m 644 $B/$(soname) $(to)/lib/$(soname) && ln -sf $(soname) $(to)/lib/libhooke.so
+	install -D -m 644 core/app/hooke/hooke.h $(to)/include/hooke.h
 	for f in $(patsubst $B/%,%,$(plugins) $(defaults) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
 	for f in core/plugin.h $(wildcard core/plugin/*.h core/plugin/facets/*.h plugins/kit/*.h plugins/kit/*/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc.$(make_id),$(pkg_config)) install -m 644 $B/hooke.pc.$(make_id) $(to)/lib/pkgconfig/hooke.pc && rm $B/hooke.pc.$(make_id)
+	$(file >$B/libhooke.pc.$(make_id),$(pkg_config_of_library)) install -m 644 $B/libhooke.pc.$(make_id) $(to)/lib/pkgconfig/libhooke.pc && rm $B/libhooke.pc.$(make_id)
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)

@@ -18,7 +18,7 @@ local buildings = {
   { "numerics", "functions", "stability", "matrix", "rigid", "constraints", "implicit", "population", "step_choice" },
   { "scene", "scene", "meshes", "rigid" },
   { "run", "judge", "storage", "report", "run" },
-  { "app", "script", "mesh_files", "shapes", "builders", "lua", "tools", "process", "command" },
+  { "app", "script", "mesh_files", "shapes", "builders", "lua", "tools", "process", "options", "installation", "hooke", "command" },
 }
 local most_files = 20
 -- Of what core/engine/loop/time_loop.c links, all it needs with it: what one has to read to know the loop.

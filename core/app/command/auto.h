@@ -2,7 +2,7 @@
 #ifndef HK_AUTO_H
 #define HK_AUTO_H
 
-#include "core/app/command/options.h"
+#include "core/app/options/options.h"
 #include "core/app/tools/tools.h"
 
 /* Whether the command line, or the scene when it says nothing, leaves the integrator to be chosen. */

@@ -2,8 +2,8 @@
  * the environment or catch a signal. */
 #include "core/app/command/auto.h"
 #include "core/engine/base/base.h"
-#include "core/app/command/installation.h"
-#include "core/app/command/options.h"
+#include "core/app/installation/installation.h"
+#include "core/app/options/options.h"
 #include "core/app/command/resume.h"
 #include "core/engine/host/host.h"
 #include "core/app/process/process.h"
@@ -78,15 +78,9 @@ static int complain(const hk_error *error) {
 }
 
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
-  return (hk_script_options){.registry = registry,
-                             .library = library,
-                             .trust = o->trust,
-                             .run = &o->run,
-                             .pulse = o->trust ? NULL : hk_watchdog_start(&interrupted),
-                             .threads = o->threads,
-                             .seed = o->seed,
-                             .given_count = o->given_count,
-                             .given = o->given};
+  hk_script_options options = hk_options_of_script(o, registry, library);
+  options.pulse = o->trust ? NULL : hk_watchdog_start(&interrupted);
+  return options;
 }
 
 /* ---- one run of a scene ---- */
@@ -251,8 +245,7 @@ static hk_status try_targets(const hk_options *o, hk_error *error) {
 static void prepare(hk_options *o, hk_registry *registry, const hk_installation *p) {
   catch_signals();
   o->run.interrupted = &interrupted;
-  /* A script with full rights may write files: it is not run again unasked. */
-  o->run.compare = o->verify ? HK_COMPARE_ALWAYS : o->trust || o->no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
+  o->run.compare = hk_options_comparison(o);
   o->run.acting = hk_faults_watch(registry);
   o->run.disturbed = hk_settings_watch();
   o->run.thread_ended = hk_settings_thread_ended;
@@ -347,7 +340,7 @@ int main(int argc, char **argv) {
   hk_installation p = {0};
   hk_registry registry;
   static const char own[] = "HOOKE_PLUGIN_PATH";
-  if (hk_installation_find(&p, &error) != HK_OK || hk_installation_programs(&error) != HK_OK ||
+  if (hk_installation_find(&p, NULL, &error) != HK_OK || hk_installation_programs(&error) != HK_OK ||
       hk_installation_absolute(own, getenv(own), &error) != HK_OK ||
       hk_registry_open(&registry, p.plugins, getenv(own), &error) != HK_OK)
     return complain(&error);

@@ -2,7 +2,7 @@
 #ifndef HK_RESUME_H
 #define HK_RESUME_H
 
-#include "core/app/command/options.h"
+#include "core/app/options/options.h"
 
 /* The words of the command line that the result depends on, each with its 0, the scene's absolute path first, an empty
  * word at the end: in malloc's memory; NULL: no scene, or no memory. `argv` must be as it was given. */

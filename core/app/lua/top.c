@@ -59,10 +59,9 @@ static hk_script *new_script(const char *path, const hk_script_options *options)
 
 /* Pushes the script as a function in its environment, or nil when the file cannot be read. */
 static int prepare(lua_State *L) {
-  const hk_script *s = hk_lua_script(L);
   open_libraries(L);
   hk_lua_push_sandbox(L);
-  int code = hk_lua_load(L, s->path, s->name, NULL);
+  int code = hk_lua_load_script(L);
   if (code == LUA_ERRFILE) return 0;
   if (code != LUA_OK) return lua_error(L);
   lua_insert(L, -2);

@@ -54,23 +54,40 @@ static void doubt(lua_State *L, const char *name, int first) {
   lua_replace(L, -2);
 }
 
-int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within) {
-  source from = {.file = hk_file_read(path, within)};
-  if (!from.file) return LUA_ERRFILE;
+/* Pushes the compiled script and returns Lua's code, or LUA_ERRFILE with nothing pushed and errno. Closes the file. */
+static int load(lua_State *L, source *from, const char *name) {
   lua_pushfstring(L, "@%s", name);
-  int first = getc(from.file); /* a first line for the shell is skipped, but not its newline */
-  for (bool shell = first == '#'; shell && first != EOF && first != '\n';) first = getc(from.file);
-  if (first != EOF) ungetc(first, from.file);
-  int code = lua_load(L, next_block, &from, lua_tostring(L, -1), "t"); /* lua_load catches errors */
-  int cause = ferror(from.file) ? errno : 0;
-  fclose(from.file);
+  int first = getc(from->file); /* a first line for the shell is skipped, but not its newline */
+  for (bool shell = first == '#'; shell && first != EOF && first != '\n';) first = getc(from->file);
+  if (first != EOF) ungetc(first, from->file);
+  int code = lua_load(L, next_block, from, lua_tostring(L, -1), "t"); /* lua_load catches errors */
+  int cause = ferror(from->file) ? errno : 0;
+  fclose(from->file);
   lua_remove(L, -2);
   if (code == LUA_ERRSYNTAX) doubt(L, name, first);
-  if (!cause) hk_lua_note_file(L, "the script", path, name);
   if (!cause) return code;
   lua_pop(L, 1);
   errno = cause;
   return LUA_ERRFILE;
+}
+
+int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within) {
+  source from = {.file = hk_file_read(path, within)};
+  int code = from.file ? load(L, &from, name) : LUA_ERRFILE;
+  if (code != LUA_ERRFILE) hk_lua_note_file(L, "the script", path, name);
+  return code;
+}
+
+int hk_lua_load_script(lua_State *L) {
+  hk_script *s = hk_lua_script(L);
+  const char *text = s->options.text;
+  char line[512];
+  if (!text) return hk_lua_load(L, s->path, s->name, NULL);
+  snprintf(line, sizeof line, "the script %s", s->name);
+  if (!hk_origin_add_text(&s->origin, line, text)) hk_lua_fail(L, HK_NO_MEMORY, "no memory for the list of files");
+  int code = luaL_loadbufferx(L, text, strlen(text), lua_pushfstring(L, "@%s", s->name), "t");
+  lua_remove(L, -2);
+  return code;
 }
 
 typedef struct folder_names {

@@ -41,6 +41,7 @@ typedef struct hk_confiner {
 typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */
+  const char *text;           /* of the script, in the place of its file; it outlives the script. NULL: the file's */
   bool trust;                 /* runs the script without the sandbox */
   bool silent;                /* `print` does nothing: the script has run before, for the same run */
   size_t memory_limit;        /* bytes, 0: the default of 512 MiB */
@@ -153,6 +154,7 @@ lua_Integer hk_lua_integer(lua_State *L, int index, const char *form); /* 16.0 i
 /* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
  * nothing is pushed. `within`: as in hk_file_read. */
 int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within);
+int hk_lua_load_script(lua_State *L); /* the state's own script, from its file or text */
 /* The folders from which the script may read, for hk_file_read; NULL: all. */
 const char *const *hk_lua_readable(const hk_script *, const char *folders[3]);
 /* Notes a file that the scene is made from; `what`: "the script". */

@@ -23,27 +23,41 @@ bool hk_origin_add(char **text, const char *what, const char *value) {
 }
 
 /* FNV-1a, 64 bits. */
+static const uint64_t hash_of_nothing = 1469598103934665603u;
+
+static uint64_t hash_on(uint64_t hash, const char *bytes, size_t count) {
+  for (size_t k = 0; k < count; k++) hash = (hash ^ (unsigned char)bytes[k]) * 1099511628211u;
+  return hash;
+}
+
 static bool hash_of(int file, uint64_t *hash) {
-  unsigned char block[1 << 14];
+  char block[1 << 14];
   ssize_t got;
-  *hash = 1469598103934665603u;
-  while ((got = read(file, block, sizeof block)) > 0)
-    for (ssize_t k = 0; k < got; k++) *hash = (*hash ^ block[k]) * 1099511628211u;
+  *hash = hash_of_nothing;
+  while ((got = read(file, block, sizeof block)) > 0) *hash = hash_on(*hash, block, (size_t)got);
   return got == 0;
+}
+
+static bool add_hash(char **text, const char *what, uint64_t hash) {
+  char value[32];
+  snprintf(value, sizeof value, "#%016llx", (unsigned long long)hash);
+  return hk_origin_add(text, what, value);
+}
+
+bool hk_origin_add_text(char **text, const char *what, const char *content) {
+  return add_hash(text, what, hash_on(hash_of_nothing, content, strlen(content)));
 }
 
 /* A pipe or a device, which may block or never end, is not read: what came from it is not known again. */
 bool hk_origin_add_file(char **text, const char *what, const char *path) {
   struct stat info;
   uint64_t hash;
-  char value[32];
   int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   bool plain = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode), known = plain && hash_of(file, &hash);
   int cause = errno;
   if (file >= 0) close(file);
   if (!known) return hk_origin_add(text, what, file >= 0 && !plain ? "not a plain file" : strerror(cause));
-  snprintf(value, sizeof value, "#%016llx", (unsigned long long)hash);
-  return hk_origin_add(text, what, value);
+  return add_hash(text, what, hash);
 }
 
 static size_t name_length(const char *line) { return strcspn(line, "\t\n"); }

@@ -210,6 +210,7 @@ void hk_frame_across(const double axis[3], double side[3], double other[3]);
 
 bool hk_origin_add(char **text, const char *what, const char *value); /* false: no memory */
 bool hk_origin_add_file(char **text, const char *what, const char *path);
+bool hk_origin_add_text(char **text, const char *what, const char *content); /* as of a file with that content */
 /* False: they differ; `sentence` says in what, "the script cloth.lua has changed". */
 bool hk_origin_same(const char *then, const char *now, char *sentence, size_t size);
 

@@ -1,6 +1,6 @@
 /* See installation.h. A command is a file tools/NAME.lua, of which the first line says how it is called and what it
  * does: "-- hooke NAME ARGUMENTS: SUMMARY." */
-#include "core/app/command/installation.h"
+#include "core/app/installation/installation.h"
 #include "core/engine/text/text.h"
 
 #include <dirent.h>
@@ -22,11 +22,10 @@ static bool place(char *into, const char *base, const char *const *candidates) {
   return false;
 }
 
-hk_status hk_installation_find(hk_installation *p, hk_error *error) {
+hk_status hk_installation_find(hk_installation *p, const char *of, hk_error *error) {
   char base[PATH_MAX];
-  ssize_t length = readlink("/proc/self/exe", base, sizeof base - 1);
-  if (length < 0) return hk_error_set(error, HK_IO, "cannot find hooke's own folder: %s", strerror(errno));
-  base[length] = 0;
+  if (!realpath(of ? of : "/proc/self/exe", base))
+    return hk_error_set(error, HK_IO, "cannot find hooke's own folder: %s", strerror(errno));
   *strrchr(base, '/') = 0;
   static const char *const plugins[] = {"plugins", "../lib/hooke/plugins", NULL};
   static const char *const scripts[] = {"../scripts/scenes/..", "../../scripts/scenes/..", "../share/hooke/scripts",

@@ -1,5 +1,5 @@
 /* Options are one table that drives parsing, checking and help; name=value is kept for the script's param(). */
-#include "core/app/command/options.h"
+#include "core/app/options/options.h"
 #include "core/engine/text/text.h"
 
 #include <errno.h>
@@ -210,6 +210,22 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     return hk_error_set(error, HK_BAD_PARAM, "%s is of the page of --watch: give --watch as well",
                         into->port ? "--port" : "--forces");
   return HK_OK;
+}
+
+/* A script with full rights may write files: it is not run again unasked. */
+int hk_options_comparison(const hk_options *o) {
+  return o->verify ? HK_COMPARE_ALWAYS : o->trust || o->no_check ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
+}
+
+hk_script_options hk_options_of_script(const hk_options *o, hk_registry *registry, const char *library) {
+  return (hk_script_options){.registry = registry,
+                             .library = library,
+                             .trust = o->trust,
+                             .run = &o->run,
+                             .threads = o->threads,
+                             .seed = o->seed,
+                             .given_count = o->given_count,
+                             .given = o->given};
 }
 
 void hk_options_print(void) {

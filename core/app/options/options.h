@@ -1,4 +1,4 @@
-/* The command line of `hooke run`. */
+/* The options of a run: those of the command line of `hooke run`, and of libhooke. */
 #ifndef HK_OPTIONS_H
 #define HK_OPTIONS_H
 
@@ -28,6 +28,10 @@ bool hk_option_given(int argc, char **argv, const char *name);
 /* Whether the option of that word, "--name" or "--name=value", is kept in checkpoints. *takes_value is set to true
  * where it does, and else left alone. */
 bool hk_option_kept(const char *word, bool *takes_value);
+/* With which other runs this one is compared, HK_COMPARE_... */
+int hk_options_comparison(const hk_options *);
+/* What a script is opened with, nobody watching it. They point into the options. */
+hk_script_options hk_options_of_script(const hk_options *, hk_registry *, const char *library);
 void hk_options_print(void); /* the help, on standard output */
 
 /* parameters.c: those that the script declares, on standard output: a table for people, or a list as JSON. */

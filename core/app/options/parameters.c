@@ -1,5 +1,5 @@
 /* What the parameters of a scene are: for people behind the options, for programs as JSON. */
-#include "core/app/command/options.h"
+#include "core/app/options/options.h"
 #include "core/engine/text/text.h"
 
 static void print_limits(const hk_param_declared *p) {
