@@ -61,8 +61,9 @@ typedef struct contact_times {
 typedef struct contact {
   hk_impulse_contact base;
   hk_body_impacts bodies; /* particles that constraints join */
-  int64_t began;          /* the first step was examined */
-  int64_t divisions;      /* of the step that ends at `divided`, s */
+  double rolling, spinning;
+  int64_t began;     /* the first step was examined */
+  int64_t divisions; /* of the step that ends at `divided`, s */
   double divided;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   hk_array known;                 /* hk_warm_pair: the impulses of the last step */
@@ -73,6 +74,12 @@ static const hk_param params[] = {
     HK_CONTACT_PARAM_ROWS(hk_impulse_contact),
     {"restitution", "", "e, the part of the normal speed that an impact leaves",
      .number = HK_AT(hk_impulse_contact, restitution), .limits = HK_WITHIN(0, 1)},
+    {"rolling", "m",
+     "rolling friction of rigid bodies: a moment of at most so much times the normal force is against their rolling on "
+     "each other and on what is pinned",
+     .number = HK_AT(contact, rolling), .limits = HK_WITHIN(0, 1e6)},
+    {"spinning", "m", "the same against their spinning about the normal", .number = HK_AT(contact, spinning),
+     .limits = HK_WITHIN(0, 1e6)},
     {"sweeps", "", "over the impacts of a step, at most; fewer where they change nothing more",
      .integer = HK_AT(hk_impulse_contact, sweeps), .initial = {100}, .limits = HK_WITHIN(1, 1e9)},
     {0},
@@ -167,7 +174,8 @@ static hk_status prepare_bodies(contact *s, const hk_step_move *move, bool faces
   if (faces)
     status = hk_face_contacts_reduce(&s->bodies, mesh, move, flat * hk_contact_scale(&s->base.params), solver,
                                      s->base.candidates.chosen);
-  return status == HK_OK ? hk_surface_arms_find(&s->bodies, mesh, solver, move) : status;
+  if (status == HK_OK) status = hk_surface_arms_find(&s->bodies, mesh, solver, move);
+  return status == HK_OK ? hk_surface_moments_find(&s->bodies, solver, move, s->rolling, s->spinning) : status;
 }
 
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move, bool faces) {

@@ -208,7 +208,8 @@ void hk_body_obstacle_moments(hk_body_moments *out, const hk_body_contact *k, co
   const hk_obstacle *o = k->obstacle;
   double then[3], now[3], s = k->way.landing;
   bool any = k->carrier && o->rolling + o->spinning > 0;
-  *out = (hk_body_moments){.carrier = any ? k->carrier : NULL, .rolling = o->rolling, .spinning = o->spinning};
+  *out = (hk_body_moments){.rolling = o->rolling, .spinning = o->spinning};
+  out->side[0].carrier = any ? k->carrier : NULL;
   if (!any) return;
   hk_copy(out->rest, o->motion.end.spin);
   hk_body_spin(k->carrier, m->x_from, m->v_from, then);

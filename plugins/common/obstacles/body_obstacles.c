@@ -209,7 +209,7 @@ static hk_status build(hk_body_obstacles *s, const hk_obstacle_moves *m, hk_cont
     s->touch[count] = hk_body_obstacle_impact(&s->impact[count], &s->arms[count], k, m, s->solved[k->index]);
     hk_body_obstacle_slides(k, m, s->slip[count]);
     hk_body_obstacle_moments(&s->moments[count], k, m);
-    resists |= s->moments[count].carrier != NULL;
+    resists |= hk_body_moments_any(&s->moments[count]);
     s->friction[count++] = k->obstacle->friction;
     s->solved[k->index] = true;
   }

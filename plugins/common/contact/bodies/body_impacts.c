@@ -314,7 +314,8 @@ static hk_status solve_energy(hk_body_impacts *s, sweeping *w, hk_step_move *m) 
 }
 
 /* Impulses on places turn bodies. Velocities that stayed what they are in space would then be another spin, by half of
- * the angle times the spin, an error of order 1, as every step does it: they are turned along. */
+ * the angle times the spin, an error of order 1, as every step does it: they are turned along, once `settle` has given
+ * bodies their lengths back, which a turn by a small angle stretches by half of its square. */
 static void turn_speeds(const hk_body_impacts *s, const hk_step_move *m) {
   for (size_t e = 0; e < s->contacts && s->arms; e++)
     for (int side = 0; side < 2; side++) {
@@ -350,8 +351,8 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
   status = apply_given(&w);
   if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
-  if (status == HK_OK) turn_speeds(s, m);
   if (status == HK_OK) status = settle(s, m);
+  if (status == HK_OK) turn_speeds(s, m);
   w.speeds = true, w.failed = 0, w.y = m->v, w.tolerance = s->slowest > 0 ? s->slowest : solver.tolerance / m->h;
   if (status == HK_OK) status = solve_energy(s, &w, m);
   given->now = solver.now;

@@ -32,8 +32,9 @@ typedef struct hk_body_impacts {
   hk_impact *row;   /* all of them */
   bool *takes_part; /* of each, at the present level */
   size_t rows_room, taking_room;
-  hk_body_arms *arms_found; /* surface_arms.c */
-  size_t arms_room;
+  hk_body_arms *arms_found;       /* surface_arms.c */
+  hk_body_moments *moments_found; /* surface_arms.c */
+  size_t arms_room, found_room;
   hk_body_response *response;
   size_t impacts, used, room;
   uint32_t *particle; /* room */
@@ -71,7 +72,7 @@ static inline hk_body_arms *hk_body_arms_of(const hk_body_impacts *s, size_t e) 
 
 /* Of impact e; NULL: it has none. */
 static inline hk_body_moments *hk_body_moments_of(const hk_body_impacts *s, size_t e) {
-  return s->moments && e < s->contacts && s->moments[e].carrier ? &s->moments[e] : NULL;
+  return s->moments && e < s->contacts && hk_body_moments_any(&s->moments[e]) ? &s->moments[e] : NULL;
 }
 
 #endif

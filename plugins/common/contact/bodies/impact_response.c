@@ -140,30 +140,54 @@ static hk_status find_blocks(hk_body_impacts *s, const hk_impact *k, const hk_bo
   return add_columns(s, r, &point, inverse_mass);
 }
 
+/* The row of the particle in the response; SIZE_MAX: it is not in it. */
+static size_t row_of(const hk_body_impacts *s, const hk_body_response *r, uint32_t particle) {
+  for (size_t j = r->first; j < r->first + r->count; j++)
+    if (s->particle[j] == particle) return j;
+  return SIZE_MAX;
+}
+
+/* Adds the changes by a unit moment about the axis a, by its part on one side, to s->turn. */
+static hk_status add_turns(hk_body_impacts *s, const hk_body_response *r, const hk_body_moments *m, int side, int a) {
+  hk_weighted_point point;
+  memcpy(point.particle, m->side[side].carrier, sizeof point.particle);
+  memcpy(point.weight, m->side[side].weight[a], sizeof point.weight);
+  for (size_t j = r->first; j < r->first + r->count; j++)
+    memset(s->column + 3 * (size_t)s->particle[j], 0, 3 * sizeof *s->column);
+  hk_status status = s->bodies->respond(s->bodies->self, &point, m->push[a], s->column);
+  for (size_t j = r->first; j < r->first + r->count; j++)
+    for (int c = 0; c < 3; c++) s->turn[j][3 * c + a] += s->column[3 * (size_t)s->particle[j] + (size_t)c];
+  return status;
+}
+
+/* 1/(kg m^2): the rate of turning about the axis a by a unit moment about it. */
+static double inverse_inertia(const hk_body_impacts *s, const hk_body_response *r, const hk_body_moments *m, int a) {
+  double sum = 0;
+  for (int side = 0; side < 2; side++)
+    for (int k = 0; k < 4 && m->side[side].carrier; k++) {
+      size_t j = row_of(s, r, m->side[side].carrier[k]);
+      for (int c = 0; c < 3 && j != SIZE_MAX; c++)
+        sum += m->side[side].weight[a][k] * m->push[a][c] * s->turn[j][3 * c + a];
+    }
+  return sum;
+}
+
 /* s->turn = the changes by unit moments about the axes. */
 static hk_status find_turns(hk_body_impacts *s, const hk_body_response *r, hk_body_moments *m) {
   hk_status status = HK_OK;
+  memset(s->turn + r->first, 0, r->count * sizeof *s->turn);
   for (int a = 0; a < 3 && status == HK_OK; a++) {
-    hk_weighted_point point;
-    memcpy(point.particle, m->carrier, sizeof point.particle);
-    memcpy(point.weight, m->weight[a], sizeof point.weight);
-    for (size_t j = r->first; j < r->first + r->count; j++)
-      memset(s->column + 3 * (size_t)s->particle[j], 0, 3 * sizeof *s->column);
-    status = s->bodies->respond(s->bodies->self, &point, m->push[a], s->column);
-    for (size_t j = r->first; j < r->first + r->count; j++)
-      for (int c = 0; c < 3; c++) s->turn[j][3 * c + a] = s->column[3 * (size_t)s->particle[j] + (size_t)c];
-    double sum[3] = {0, 0, 0};
-    for (int c = 0; c < 4; c++) hk_add_scaled(sum, m->weight[a][c], s->column + 3 * (size_t)m->carrier[c]);
-    m->inverse_inertia[a] = hk_dot(m->push[a], sum);
+    for (int side = 0; side < 2 && status == HK_OK; side++)
+      if (m->side[side].carrier) status = add_turns(s, r, m, side, a);
+    m->inverse_inertia[a] = inverse_inertia(s, r, m, a);
   }
   return status;
 }
 
 /* The row of the particle in the response; NULL: it is not in it. */
 static const double *block_of(const hk_body_impacts *s, const hk_body_response *r, uint32_t particle) {
-  for (size_t j = r->first; j < r->first + r->count; j++)
-    if (s->particle[j] == particle) return s->block[j];
-  return NULL;
+  size_t j = row_of(s, r, particle);
+  return j == SIZE_MAX ? NULL : s->block[j];
 }
 
 static void find_matrix(const hk_body_impacts *s, const hk_impact *k, const hk_body_arms *arms, hk_body_response *r) {
