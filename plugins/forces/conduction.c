@@ -34,11 +34,11 @@ typedef struct conduction {
 static const hk_param params[] = {
     {"edges", "", "bars between particles that heat flows along", .edges = HK_AT(conduction, edges),
      .flags = HK_OPTIONAL},
-    {"section", "m^2", "of the bars", .per_tuple = HK_AT(conduction, section), .list = "edges", .limits = HK_ABOVE(0),
-     .flags = HK_OPTIONAL},
+    {"section", "m^2", "of the bars", .per_tuple = HK_AT(conduction, section), .list = "edges",
+     .limits = HK_AT_LEAST(0)},
     {"triangles", "", "of sheets that it flows in", .triangles = HK_AT(conduction, triangles), .flags = HK_OPTIONAL},
     {"thickness", "m", "of the sheets", .per_tuple = HK_AT(conduction, thickness), .list = "triangles",
-     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+     .limits = HK_AT_LEAST(0)},
     {"tetrahedra", "", "of solids that it flows in", .tetrahedra = HK_AT(conduction, tetrahedra), .flags = HK_OPTIONAL},
     {"held", "", "particles whose temperature stays as it is, whatever flows to them",
      .particles = HK_AT(conduction, held), .flags = HK_OPTIONAL},
@@ -69,15 +69,20 @@ static hk_status shape(const hk_view *view, const hk_tuples *list, const hk_per_
   return status;
 }
 
-static hk_status check_lists(const conduction *s, const hk_host *host) {
-  if (!s->edges.count && !s->triangles.count && !s->tetrahedra.count)
-    return host->fail(host, HK_BAD_PARAM,
-                      "there is nothing that heat could flow in: give `edges`, `triangles` or `tetrahedra`");
-  if (s->edges.count && !s->section.count)
-    return host->fail(host, HK_BAD_PARAM, "section: edges conduct by their section: give it in m^2");
-  if (s->triangles.count && !s->thickness.count)
-    return host->fail(host, HK_BAD_PARAM, "thickness: triangles conduct by their thickness: give it in m");
+static hk_status check_sizes(const hk_host *host, const hk_tuples *list, const hk_per_tuple *size, const char *name) {
+  for (size_t k = 0; k < list->count; k++)
+    if (!(hk_tuple_value(size, k) > 0))
+      return host->fail(host, HK_BAD_PARAM, "%s: element %zu has none, and conducts by it: give it above 0", name,
+                        k + 1);
   return HK_OK;
+}
+
+static hk_status check_lists(const conduction *s, const hk_host *host) {
+  hk_status status = check_sizes(host, &s->edges, &s->section, "section");
+  if (status == HK_OK) status = check_sizes(host, &s->triangles, &s->thickness, "thickness");
+  if (!s->edges.count && !s->triangles.count && !s->tetrahedra.count)
+    host->warn(host, "there is nothing that heat could flow in: give `edges`, `triangles` or `tetrahedra`");
+  return status;
 }
 
 static hk_status check_masses(const conduction *s, const hk_view *view) {

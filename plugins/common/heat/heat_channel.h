@@ -14,7 +14,7 @@ typedef struct hk_heat_channel {
 /* clang-format off */
 #define HK_HEAT_CHANNELS(type, heat)                                                                                   \
   {"channel", "", "with the enthalpy, J/kg; 0 is the solid at the solidus",                                            \
-     .string = HK_AT(type, heat.name), .text = "enthalpy"},                                                            \
+     .string = HK_AT(type, heat.name), .flags = HK_REQUIRED},                                                         \
   {"account", "", "a channel for what each particle was given from outside, J/kg; left out: nobody counts it",         \
      .string = HK_AT(type, heat.given_name)}
 /* clang-format on */

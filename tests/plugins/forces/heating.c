@@ -17,6 +17,7 @@ static hk_plugin_spec *body(test_engine *e, double T) {
   assert_int_equal(hk_scene_add_channel(e->scene, "given", 1, &none, NAN, NULL, &e->error), HK_OK);
   test_particle(e, 0, 0, 0, mass);
   hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "heating");
+  test_text(e, spec, "channel", "enthalpy");
   test_number(e, spec, "capacity", capacity);
   test_text(e, spec, "account", "given");
   e->options.integrator = "rk4";
