@@ -6,6 +6,7 @@
  * u0 exp(-rate t), or (|u0|^(1-p) + (p - 1) rate scale^(1-p) t)^(1/(1-p)) with the sign of u0. It is no force: it adds
  * nothing to F. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/channels/no_force.h"
 
 typedef struct relax {
   const char *name;
@@ -35,11 +36,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (r->target.count > 1 && r->target.count != r->channel->size)
     return host->fail(host, HK_BAD_PARAM, "target: %zu numbers for the channel '%s', which has %zu", r->target.count,
                       r->name, r->channel->size);
-  return HK_OK;
-}
-
-static hk_status add(void *self, const hk_view *view, double *F) {
-  (void)self, (void)view, (void)F;
   return HK_OK;
 }
 
@@ -81,25 +77,13 @@ static hk_status rates(void *self, const hk_view *view, double *dy) {
   return HK_OK;
 }
 
-static double energy(void *self, const hk_view *view) {
-  (void)self, (void)view;
-  return 0;
-}
-
-static void pattern(void *self, const hk_view *view, hk_pattern *p) { (void)self, (void)view, (void)p; }
-
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  (void)self, (void)view, (void)into; /* there is no force */
-  return HK_OK;
-}
-
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN,
-    .add = add,
-    .energy = energy,
+    .add = hk_no_force,
+    .energy = hk_no_energy,
     .rates = rates,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+    .facets = HK_FACETS(HK_NO_BLOCKS),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

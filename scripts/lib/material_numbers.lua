@@ -1,6 +1,6 @@
 -- material_numbers: what material = "cotton" stands for, in scene:grid and scene:mesh (areal density, kg/m^2), in the force
--- membrane (N/m) and in hinges and quadratic_bending (N m). A name beside it in the same table goes first. A file of
--- this name beside a scene takes the place of this one.
+-- membrane (N/m), in hinges and quadratic_bending (N m), and in conduction and heating what melts. A name beside
+-- it in the same table goes first. A file of this name beside a scene takes the place of this one.
 --
 -- What is measured has its source; what is not is said to be derived, or assumed. None of the sources has damping, so none is here.
 local materials = {}
@@ -56,5 +56,36 @@ local function rubber(h)
     membrane = { model = "neo_hookean", stiffness = Y * h, nu = 0.5 }, hinges = bending, quadratic_bending = bending }
 end
 materials.rubber = rubber(0.3e-3)
+
+-- What melts, in conduction and heating: temperatures in K, the heat of melting in J/kg, heat capacities in J/(kg K) and
+-- conductivities in W/(m K) of the solid and the melt near the melting point. The density, kg/m^3 of the melt, is for
+-- those who lay out particles. `enthalpy` in lib/heat.lua makes an enthalpy of a temperature.
+local function melting(what, source, density, law)
+  local heating = {}
+  for _, name in ipairs { "solidus", "liquidus", "latent", "capacity", "capacity_liquid" } do heating[name] = law[name] end
+  return { what = what, source = source, density = density, conduction = law, heating = heating }
+end
+
+materials.ice = melting("ice and water at one atmosphere",
+  "Lide 2004, CRC Handbook of Chemistry and Physics, sections 6 and 12; rounded to three digits", 1000,
+  { solidus = 273.15, latent = 333.6e3, capacity = 2100, capacity_liquid = 4220, conductivity = 2.16, conductivity_liquid = 0.561 })
+
+materials.gallium = melting("gallium, as melted in the cavity of Gau and Viskanta 1986; the solid as the melt",
+  "Brent, Voller and Reid 1988, Numerical Heat Transfer 13, table 1", 6093,
+  { solidus = 302.93, latent = 80160, capacity = 381.5, conductivity = 32 })
+
+materials.chocolate = melting("dark chocolate",
+  "Beckett 2009, Industrial Chocolate Manufacture and Use, pages 667 and 668, capacities and conductivities at 15 and 40 C; "
+    .. "assumed: the melting range of cocoa butter, 27 to 34 C", 1250,
+  { solidus = 300, liquidus = 307, latent = 46e3, capacity = 1590, capacity_liquid = 1670, conductivity = 0.22,
+    conductivity_liquid = 0.26 })
+
+-- Assumed, not measured: round numbers of the order of those of technical paraffins and of Hawaiian lava.
+materials.wax = melting("paraffin wax", "assumed: round numbers of the order of technical paraffins", 780,
+  { solidus = 319, liquidus = 329, latent = 200e3, capacity = 2000, capacity_liquid = 2200, conductivity = 0.24,
+    conductivity_liquid = 0.15 })
+materials.basalt = melting("basaltic lava", "assumed: round numbers of the order of Hawaiian lava", 2700,
+  { solidus = 1270, liquidus = 1470, latent = 600e3, capacity = 1100, capacity_liquid = 1200, conductivity = 1.5,
+    conductivity_liquid = 1 })
 
 return materials
