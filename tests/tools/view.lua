@@ -112,6 +112,41 @@ function tests.a_press_on_a_particle_tells_what_is_known_of_it()
   b:wait("document.querySelector('#inspector').hidden")
 end
 
+-- The pins of the sheet are balls; none of them is half in the floor.
+function tests.the_floor_is_below_what_is_drawn()
+  local floor, low, ball = table.unpack(b:eval("(() => { const { stage, layers } = view.page; stage.render(); "
+    .. "return [stage.floorHeight, layers[0].source.bounds.low[2], layers[0].pins.own.radius.value] })()"))
+  assert(ball > 0 and floor < low - ball, ("floor at %g, lowest particle at %g, radius %g"):format(floor, low, ball))
+end
+
+-- 60 frames a second: the trail at frame k has k pieces, the first one from where the particle was at the start.
+function tests.trails_show_where_particles_have_been()
+  local function press() -- the box
+    b:eval("[...document.querySelectorAll('#controls label')].find((n) => n.textContent === 'trails').querySelector('input').click()")
+  end
+  local pieces = "view.page.layers[0].trails.segments.geometry.instanceCount"
+  show(20)
+  b:press(place(255))
+  press()
+  b:wait(pieces .. " === 20")
+  local places = b:eval("(() => { const { begin, end } = view.page.layers[0].trails.segments.geometry.attributes, o = view.page.sources[0].origin; "
+    .. "return [...begin.array.slice(0, 3), ...end.array.slice(57, 60)].map((v, c) => v + o[c % 3]) })()")
+  for k, t in ipairs { 0, 20 / 60 } do
+    local x, y, z = table.unpack(places, 3 * k - 2, 3 * k)
+    local off = math.max(math.abs(x - 1), math.abs(y - 1), math.abs(z - 0.15 * math.sin(4 - 6 * t)))
+    assert(off < 2e-5, ("at %g s: off by %g m"):format(t, off)) -- of the recorded positions, as above
+  end
+  show(50)
+  b:wait(pieces .. " === 50") -- the frames that were passed over came
+  show(10)
+  b:wait(pieces .. " === 10")
+  b:key("\u{E00C}") -- escape: none is picked
+  b:wait(pieces .. " === 10 * 256")
+  press()
+  b:wait(pieces .. " === 0")
+  silent("trails")
+end
+
 -- By strain, 0.02 cos(4 x - 6 t), the sheet is blue where it is negative, and red where it is positive.
 function tests.colours_stand_for_numbers_and_have_a_legend()
   show(0)
@@ -215,7 +250,7 @@ end
 local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_that_of_the_page",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
   "a_chart_without_a_number_is_drawn",
-  "a_press_on_a_particle_tells_what_is_known_of_it", "colours_stand_for_numbers_and_have_a_legend",
+  "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn", "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
   "what_was_written_is_read_back_within_the_error_that_is_said",

@@ -31,7 +31,8 @@ view.app = (() => {
         $("note").textContent = `There is no 3D picture: this browser gives no WebGL (${error.message}).`;
         return;
       }
-      this.layers = this.sources.map((source, k) => new view.layer.Layer(source, view.colours.thing(k ? "second" : "plain")));
+      this.layers = this.sources.map((source, k) => new view.layer.Layer(source, view.colours.thing(k ? "second" : "plain"),
+        () => this.stage.draw()));
       const first = this.sources[0].origin;
       this.layers.forEach((layer, k) => {
         layer.offset = new THREE.Vector3(...this.sources[k].origin.map((v, c) => v - first[c]));
@@ -79,7 +80,8 @@ view.app = (() => {
         "", (name) => { this.arrowsOf = name; this.refresh(); }));
       this.checks = { points: check("particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
         edges: check("edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
-      nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
+      nodes.push(...Object.values(this.checks), check("trails", "where particles have been: the one that is picked, or all", false,
+        (on) => this.choose("trails", on)), check("shadows", "", true, (on) => this.choose("shadows", on)),
         this.sources.some((s) => s.solids.length) ? check("obstacles", "what particles bounce off", true,
           (on) => this.choose("solids", on)) : null,
         mark("wind", "wind", "the air's velocity at some of the particles"),

@@ -15,8 +15,9 @@ view.layer = (() => {
 
   class Layer {
     // tint: the colour of what stands for no number
-    constructor(source, tint) {
-      Object.assign(this, { source, tint, every: 1, notes: [], shown: { points: null, edges: false, shadows: true, solids: true } });
+    // redraw(): called when what is shown has changed by itself
+    constructor(source, tint, redraw) {
+      Object.assign(this, { source, tint, every: 1, notes: [], shown: { points: null, edges: false, trails: false, shadows: true, solids: true } });
       this.uniforms = view.light.uniforms();
       this.scene = new THREE.Scene();
       this.group = new THREE.Group();
@@ -30,11 +31,13 @@ view.layer = (() => {
       this.picked = new view.points.Points(this.uniforms, 5);
       this.solids = new view.solids.Solids(source, this.uniforms);
       this.wind = new view.segments.Segments(this.uniforms, true);
+      this.trails = new view.trails.Trails(source, this.uniforms, redraw);
       this.contacts = new view.points.Points(this.uniforms, 2);
       // They are between what they hold apart, and are drawn last: after the floor, which is transparent.
       Object.assign(this.contacts.mesh.material, { depthTest: false, transparent: true });
       this.contacts.mesh.renderOrder = 1;
-      const parts = [this.solids, this.wind, this.contacts, this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
+      const parts = [this.solids, this.wind, this.contacts, this.surface, this.edges, this.arrows, this.points, this.pins, this.picked,
+        this.trails];
       for (const part of parts) this.group.add(part.mesh);
       this.shadows = [this.surface, this.edges, this.points, this.solids].map((part) => part.shadow);
       this.group.add(...this.shadows);
@@ -63,6 +66,12 @@ view.layer = (() => {
       this.contacts.own.radius.value = 0;
     }
 
+    // How far what is drawn reaches around the places of particles.
+    thickness() {
+      const { points, pins, edges } = this;
+      return Math.max(0, ...[points, pins, edges].filter((part) => part.mesh.visible).map((part) => part.own.radius.value));
+    }
+
     plain(n) {
       if (!this.same || this.same.length !== 3 * n) {
         this.same = new Float32Array(3 * n);
@@ -87,6 +96,7 @@ view.layer = (() => {
       this.showMarks(frame);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
       this.picked.show(frame, [k], k < 0 ? 0 : 1, thing("picked"));
+      this.trails.show(frame, s.trails ? pickedId ?? "all" : null, this.tint);
       for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
       this.sizes();
     }

@@ -88,7 +88,7 @@ view.stage = (() => {
     layFloor() {
       const levels = this.layers.map((layer) => layer.solids.level(layer.group.matrixWorld, this.floorless));
       this.floorHeight = levels.find((height) => height !== undefined);
-      if (this.floorHeight === undefined) this.floorHeight = this.below;
+      if (this.floorHeight === undefined) this.floorHeight = this.below - Math.max(0, ...this.layers.map((layer) => layer.thickness()));
       for (const { floor, solids } of this.layers) {
         floor.mesh.position.set(this.middle.x, this.middle.y, this.floorHeight);
         floor.place(this.middle.x, this.middle.y, this.reach);

@@ -9,7 +9,7 @@ local template = {}
 
 -- In this order: a module uses those before it.
 template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
-  "points", "splats", "floor", "solids", "orbit", "topology", "layer", "stage", "economy", "clock", "timeline", "plots",
+  "points", "trails", "splats", "floor", "solids", "orbit", "topology", "layer", "stage", "economy", "clock", "timeline", "plots",
   "controls", "compare", "inspector", "report", "bench", "app" }
 
 local function read(path)
