@@ -129,7 +129,8 @@ function tests.trails_show_where_particles_have_been()
   b:press(place(255))
   press()
   b:wait(pieces .. " === 20")
-  local places = b:eval("(() => { const { begin, end } = view.page.layers[0].trails.segments.geometry.attributes, o = view.page.sources[0].origin; "
+  local places = b:eval("(() => { const { begin, end } = view.page.layers[0].trails.segments.geometry.attributes; "
+    .. "const o = view.page.sources[0].origin; "
     .. "return [...begin.array.slice(0, 3), ...end.array.slice(57, 60)].map((v, c) => v + o[c % 3]) })()")
   for k, t in ipairs { 0, 20 / 60 } do
     local x, y, z = table.unpack(places, 3 * k - 2, 3 * k)
@@ -250,7 +251,8 @@ end
 local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_that_of_the_page",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
   "a_chart_without_a_number_is_drawn",
-  "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn", "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
+  "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn",
+  "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
   "what_was_written_is_read_back_within_the_error_that_is_said",
