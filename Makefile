@@ -6,6 +6,7 @@
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make lib        libhooke.so, for C (core/app/hooke/hooke.h) and Python
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
+# make wheel      a wheel for Python with the program and its plugins, in build/wheel (tools/python)
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
 #                 arm64 under emulation (as root, minutes)
 #
@@ -154,7 +155,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb wheel test-long
 
 all: build
 build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
@@ -361,7 +362,7 @@ install: build
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc.$(make_id),$(pkg_config)) install -m 644 $B/hooke.pc.$(make_id) $(to)/lib/pkgconfig/hooke.pc && rm $B/hooke.pc.$(make_id)
 	$(file >$B/libhooke.pc.$(make_id),$(pkg_config_of_library)) install -m 644 $B/libhooke.pc.$(make_id) $(to)/lib/pkgconfig/libhooke.pc && rm $B/libhooke.pc.$(make_id)
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)
 	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
@@ -371,5 +372,13 @@ deb:
 	rm -rf $B/deb && mkdir -p $B/deb
 	$(again) install DESTDIR=$(CURDIR)/$B/deb/hooke PREFIX=/usr >$B/deb/install.log
 	tools/package $B/deb $(version)
+
+wheel:
+	@$(WITH_CC) tools/install-deps run
+	rm -rf $B/wheel && mkdir -p $B/wheel
+	$(again) install DESTDIR=$(CURDIR)/$B/wheel/hooke/prefix PREFIX= >$B/wheel/install.log
+	rm $B/wheel/hooke/prefix/lib/libhooke.so
+	strip --strip-unneeded $B/wheel/hooke/prefix/bin/hooke $$(find $B/wheel/hooke/prefix/lib -name '*.so*')
+	tools/python/make_wheel $B/wheel $(version)
 
 -include $(compiled:.o=.d)

@@ -122,10 +122,18 @@ static hk_status unknown_command(const hk_installation *p, const char *name, hk_
                       near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-hk_status hk_installation_tool(const hk_installation *p, const char *name, char *path, hk_error *error) {
+static bool find_tool(const hk_installation *p, const char *name, char *path) {
   snprintf(path, PATH_MAX + 128, "%s/%.100s.lua", p->tools, name);
-  if (!strchr(name, '/') && access(path, R_OK) == 0) return HK_OK;
-  return unknown_command(p, name, error);
+  return !strchr(name, '/') && access(path, R_OK) == 0;
+}
+
+bool hk_installation_command(const hk_installation *p, const char *name) {
+  char path[PATH_MAX + 128];
+  return strcmp(name, "run") == 0 || find_tool(p, name, path);
+}
+
+hk_status hk_installation_tool(const hk_installation *p, const char *name, char *path, hk_error *error) {
+  return find_tool(p, name, path) ? HK_OK : unknown_command(p, name, error);
 }
 
 /* ---- flags, help ---- */

@@ -13,6 +13,7 @@ typedef struct hk_installation {
 /* Beside the file `of`, a program or a library: the folders of the build tree, or those of an installation. NULL:
  * beside the program of this process. HK_IO: there are no plugins. */
 hk_status hk_installation_find(hk_installation *, const char *of, hk_error *error);
+bool hk_installation_command(const hk_installation *, const char *name); /* whether it is one: run, or a tool */
 /* The tool of that name, in path[PATH_MAX + 128]. HK_BAD_PARAM: there is none; the message says what may be meant. */
 hk_status hk_installation_tool(const hk_installation *, const char *name, char *path, hk_error *error);
 /* Leaves in PATH, for the programs that are started, the absolute folders: "." and what is relative mean another folder

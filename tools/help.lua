@@ -1,0 +1,63 @@
+-- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter.
+local argparse = require("argparse")
+local command_line = require("common.run.command_line")
+local plugin_entry = require("common.handbook.plugin_entry")
+local reference = require("common.handbook.reference")
+
+local function parser_of()
+  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, or what takes a parameter of that name.")
+  p:argument("word", "such as grid, scene:pin, springs, leapfrog, stiffness"):args("?")
+  return p
+end
+
+local function say(lines) print(table.concat(lines, "\n") .. "\n") end
+
+-- Who takes a parameter of that name.
+local function takers(word, plugins)
+  local lines = {}
+  local function add(of, row, unit, text)
+    if row == word then lines[#lines + 1] = ("  %-28s %-10s %s"):format(of, unit, text) end
+  end
+  for _, entry in ipairs(reference.all()) do
+    for _, row in ipairs(entry.takes or {}) do add(entry.name, row.name, row.unit, row.text) end
+  end
+  for _, plugin in ipairs(plugins) do
+    for _, p in ipairs(plugin.params) do add(plugin.kind .. " " .. plugin.name, p.name, p.unit, p.help) end
+  end
+  if #lines > 0 then table.insert(lines, 1, ("'%s' is a parameter of:"):format(word)) end
+  return lines
+end
+
+local function unknown(word, plugins)
+  local names = {}
+  local function add(name, rows)
+    names[#names + 1] = name
+    for _, row in ipairs(rows or {}) do names[#names + 1] = row.name end
+  end
+  for _, entry in ipairs(reference.all()) do
+    add(entry.name, entry.takes)
+    add(entry.name:match("[%w_]+$"))
+  end
+  for _, plugin in ipairs(plugins) do add(plugin.name, plugin.params) end
+  local near = hooke.nearest(word, names)
+  return command_line.complain("help", ("nothing is called '%s'%s"):format(word,
+    near and ("; did you mean '%s'?"):format(near) or "; see: hooke --help, hooke plugins"))
+end
+
+local asked = command_line.parse("help", parser_of())
+if not asked then return 1 end
+if not asked.word then return command_line.complain("help", "of what? hooke help WORD, or hooke --help for the commands") end
+local plugins, found = hooke.catalogue(), false
+for _, entry in ipairs(reference.find(asked.word)) do
+  say(reference.lines(entry))
+  found = true
+end
+for _, plugin in ipairs(plugins) do
+  if plugin.name == asked.word then
+    say(plugin_entry.lines(plugin))
+    found = true
+  end
+end
+local lines = takers(asked.word, plugins)
+if #lines > 0 then say(lines) end
+return (found or #lines > 0) and 0 or unknown(asked.word, plugins)
