@@ -15,7 +15,7 @@ local source_graph = require("source_graph")
 -- contract, core/plugin.h and core/plugin/, comes before all.
 local buildings = {
   { "engine", "text", "base", "contract", "host", "state", "blocks", "evaluate", "loop" },
-  { "numerics", "functions", "stability", "matrix", "rigid", "constraints", "implicit", "population", "step_choice" },
+  { "numerics", "functions", "stability", "matrix", "rigid", "constraints", "implicit", "sensitivity", "population", "step_choice" },
   { "scene", "scene", "meshes", "rigid" },
   { "run", "judge", "storage", "report", "run" },
   { "app", "script", "mesh_files", "shapes", "builders", "lua", "tools", "process", "options", "installation", "hooke", "command" },

@@ -9,6 +9,7 @@ local data = require("common.fit.data")
 local files = require("common.run.file")
 local fitting = require("common.fit.fitting")
 local journal = require("common.bench.journal")
+local parameters = require("common.run.parameters")
 local progress = require("common.run.progress")
 local report = require("common.fit.report")
 local runs = require("common.fit.runs")
@@ -36,68 +37,6 @@ local function parser()
   p:flag("--json", "the result as JSON on standard output")
   p:flag("--quiet", "no progress")
   return p
-end
-
--- ---- parameters ----
-
--- "name=start:low:high", of which what follows the name may be left out.
-local function wanted(words)
-  local list = {}
-  for _, word in ipairs(words) do
-    for piece in (word .. ","):gmatch("([^,]*),") do
-      local name, rest = piece:match("^%s*([%a_][%w_]*)%s*(.*)$")
-      if not name then return nil, ("--by: '%s' is not a name, or name=start:low:high"):format(piece) end
-      local numbers = {}
-      for text in rest:gmatch("[^=:]+") do
-        numbers[#numbers + 1] = tonumber(text)
-        if not numbers[#numbers] then return nil, ("--by: %s: '%s' is not a number"):format(name, text) end
-      end
-      if #numbers > 3 then return nil, ("--by: %s: one start and two bounds, name=start:low:high"):format(name) end
-      list[#list + 1] = { name = name, start = numbers[1], low = numbers[2], high = numbers[3] }
-    end
-  end
-  if #list == 0 then return nil, "nothing to find: --by NAME,NAME" end
-  return list
-end
-
-local function complete(p, declared)
-  local function bound(given, own, none) return given or (own and own == own and own) or none end
-  p.help = declared.help
-  p.start = p.start or tonumber(declared.initial)
-  p.low, p.high = bound(p.low, declared.min, -math.huge), bound(p.high, declared.max, math.huge)
-  if not p.start or declared.type ~= "number" and declared.type ~= "integer" then
-    return nil, ("--by: %s is no number, but a %s"):format(p.name, declared.type)
-  end
-  if p.low >= p.high then return nil, ("--by: %s: %g is not below %g"):format(p.name, p.low, p.high) end
-  if p.start < p.low or p.start > p.high then
-    return nil, ("--by: %s: the start, %g, is not within %g to %g"):format(p.name, p.start, p.low, p.high)
-  end
-  return true
-end
-
--- Fills in what the script's param() says; a start of 0 has the size of its bounds, or 1.
-local function find_parameters(o, explained)
-  local by_name, names, seen = {}, {}, {}
-  for k, p in ipairs(explained.parameters) do by_name[p.name], names[k] = p, p.name end
-  for _, p in ipairs(o.parameters) do
-    local declared = by_name[p.name]
-    if not declared then
-      local near = hooke.nearest(p.name, names)
-      return nil, ("the scene has no parameter '%s'; %s"):format(p.name, near and ("did you mean '%s'?"):format(near)
-        or #names > 0 and "it has " .. table.concat(names, ", ") or "it has none: param(name, default)")
-    end
-    if seen[p.name] then return nil, ("--by: %s is there twice"):format(p.name) end
-    if o.params[p.name] then return nil, ("%s=%s and --by %s: leave one out"):format(p.name, o.params[p.name], p.name) end
-    seen[p.name] = true
-    local fine, why = complete(p, declared)
-    if not fine then return nil, why end
-  end
-  return true
-end
-
-local function scale_of(p)
-  local width = p.high - p.low
-  return p.start ~= 0 and math.abs(p.start) * 1e-3 or width < math.huge and width * 1e-3 or 1e-3
 end
 
 -- ---- data ----
@@ -150,7 +89,7 @@ end
 local function prepare(o)
   o.names, o.low, o.high, o.scale, o.first = {}, {}, {}, {}, {}
   for j, p in ipairs(o.parameters) do
-    o.names[j], o.low[j], o.high[j], o.scale[j], o.first[j] = p.name, p.low, p.high, scale_of(p), p.start
+    o.names[j], o.low[j], o.high[j], o.scale[j], o.first[j] = p.name, p.low, p.high, parameters.scale(p), p.start
     if o.starts > 0 and p.high - p.low == math.huge then
       return nil, ("--starts: %s has no bounds to spread starts over: --by %s=%g:LOW:HIGH"):format(p.name, p.name, p.start)
     end
@@ -208,7 +147,7 @@ local function options()
   o.scene, o.params, why = command_line.scene(o.scene)
   if not o.scene then return nil, why or "no scene is named" end
   if not o.data then return nil, "no data: --data FILE.csv" end
-  o.parameters, why = wanted(o.by)
+  o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
   o.out = o.out or "out/fit/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
@@ -219,7 +158,7 @@ local function ready(o)
   if not explained then return nil, why end
   o.tol = explained.tol
   local fine
-  fine, why = find_parameters(o, explained)
+  fine, why = parameters.complete(o.parameters, explained, o.params)
   if not fine then return nil, why end
   fine, why = read_data(o, explained)
   if not fine then return nil, why end

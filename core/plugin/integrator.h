@@ -56,7 +56,7 @@ typedef struct hk_integrator {
    * On y' = -k y, a channel, it is growth(0, h k, 0) (never below 1: x'' = -g x' keeps a constant). NULL: not stated.
    */
   double (*growth)(const void *self, const void *method, double hw, double hg, double hb);
-  const hk_facet *facets; /* core/plugin/facets: tile, split, constrained, adaptive; NULL: none */
+  const hk_facet *facets; /* core/plugin/facets: tile, split, constrained, adaptive, stages; NULL: none */
 } hk_integrator;
 
 /* X = (x, v, y): x is n x 3, v is n x 3 at X + 3n, y follows: the channels, and last the work done on the scene by pins

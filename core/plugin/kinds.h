@@ -28,6 +28,7 @@
 #include "core/plugin/facets/adaptive.h"
 #include "core/plugin/facets/constrained.h"
 #include "core/plugin/facets/corrected.h"
+#include "core/plugin/facets/stages.h"
 #include "core/plugin/facets/linear.h"
 #include "core/plugin/facets/moves.h"
 #include "core/plugin/facets/split.h"

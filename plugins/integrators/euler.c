@@ -16,7 +16,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .flags = HK_USES_SPARE,
                                          .method = &tableau,
                                          .step = hk_rk_step,
-                                         .growth = hk_rk_growth};
+                                         .growth = hk_rk_growth,
+                                         .facets = HK_FACETS(HK_STAGES_FACET(.count = 1, .v_end = {1}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -201,8 +201,19 @@ static hk_status tile(void *self, const void *method, hk_system *s, const double
 static const hk_tile_facet tiles = {.size = sizeof tiles, .steps = tile};
 static const hk_constrained_facet constrained = {.size = sizeof constrained, .keeps = true};
 static const hk_corrected_facet corrected = {.size = sizeof corrected, .account = account};
-static const hk_facet facets[] = {
-    {HK_TILE_ID, &tiles}, {HK_CONSTRAINED_ID, &constrained}, {HK_CORRECTED_ID, &corrected}, {0}};
+static const hk_stages_facet stages = {.size = sizeof stages,
+                                       .count = 2,
+                                       .carries = true,
+                                       .c = {0, 1},
+                                       .x = {{0}, {0.5}},
+                                       .v = {{0}, {1}},
+                                       .x_end = {0.5},
+                                       .v_end = {0.5, 0.5}};
+static const hk_facet facets[] = {{HK_TILE_ID, &tiles},
+                                  {HK_CONSTRAINED_ID, &constrained},
+                                  {HK_CORRECTED_ID, &corrected},
+                                  {HK_STAGES_ID, &stages},
+                                  {0}};
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,

@@ -9,13 +9,16 @@ static const hk_tableau tableau = {.stages = 2, .c = {0, 0.5}, .a = {{0}, {0.5}}
 
 static const hk_field fields[] = HK_RK_FIELDS(2);
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = 2,
-                                         .stages = 2,
-                                         .flags = HK_USES_SPARE,
-                                         .method = &tableau,
-                                         .step = hk_rk_step,
-                                         .growth = hk_rk_growth};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator),
+    .order = 2,
+    .stages = 2,
+    .flags = HK_USES_SPARE,
+    .method = &tableau,
+    .step = hk_rk_step,
+    .growth = hk_rk_growth,
+    .facets =
+        HK_FACETS(HK_STAGES_FACET(.count = 2, .c = {0, 0.5}, .v = {{0}, {0.5}}, .x_end = {0.5}, .v_end = {0, 1}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

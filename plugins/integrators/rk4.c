@@ -12,13 +12,17 @@ static const hk_tableau tableau = {.stages = 4,
 
 static const hk_field fields[] = HK_RK_FIELDS(4);
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = 4,
-                                         .stages = 4,
-                                         .flags = HK_USES_SPARE,
-                                         .method = &tableau,
-                                         .step = hk_rk_step,
-                                         .growth = hk_rk_growth};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator),
+    .order = 4,
+    .stages = 4,
+    .flags = HK_USES_SPARE,
+    .method = &tableau,
+    .step = hk_rk_step,
+    .growth = hk_rk_growth,
+    .facets = HK_FACETS(HK_STAGES_FACET(.count = 4, .c = {0, 0.5, 0.5, 1}, .x = {{0}, {0}, {0.25}, {0, 0.5}},
+                                        .v = {{0}, {0.5}, {0, 0.5}, {0, 0, 1}}, .x_end = {1.0 / 6, 1.0 / 6, 1.0 / 6},
+                                        .v_end = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -63,7 +63,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 1,
                                          .flags = HK_SYMPLECTIC | HK_USES_SPARE,
                                          .step = step,
-                                         .growth = growth};
+                                         .growth = growth,
+                                         .facets = HK_FACETS(HK_STAGES_FACET(.count = 1, .x_end = {1}, .v_end = {1}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

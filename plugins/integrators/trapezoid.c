@@ -15,7 +15,9 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .flags = HK_USES_SPARE,
                                          .method = &tableau,
                                          .step = hk_rk_step,
-                                         .growth = hk_rk_growth};
+                                         .growth = hk_rk_growth,
+                                         .facets = HK_FACETS(HK_STAGES_FACET(.count = 2, .c = {0, 1}, .v = {{0}, {1}},
+                                                                             .x_end = {0.5}, .v_end = {0.5, 0.5}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

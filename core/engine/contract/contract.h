@@ -73,6 +73,7 @@ typedef struct hk_integrator_tables {
   hk_constrained_facet constrained;
   hk_adaptive_facet adaptive;
   hk_corrected_facet corrected;
+  hk_stages_facet stages;
 } hk_integrator_tables;
 
 /* Those of a copy of that kind. */

@@ -40,6 +40,7 @@ static const facet_rule rules[] = {
     {OF_METHOD(CONSTRAINED, constrained, keeps), {{NULL, 0}}},
     {OF_METHOD(ADAPTIVE, adaptive, tolerance), {HK_MEMBER(hk_adaptive_facet, tolerance)}},
     {OF_METHOD(CORRECTED, corrected, account), {HK_MEMBER(hk_corrected_facet, account)}},
+    {OF_METHOD(STAGES, stages, v_end), {{NULL, 0}}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };
@@ -78,6 +79,15 @@ static bool unknown(const hk_plugin *p, const char *id, hk_reason_text *reason) 
   return hk_wrong(reason, "it has the facet '%s', which this hooke does not know: core/plugin/facets has them all", id);
 }
 
+/* Of a table that is long enough. */
+static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
+  if (p->integrator->flags & (HK_IMPLICIT | HK_ADAPTIVE))
+    return hk_wrong(reason, "it has the facet '%s', which is for explicit methods with a fixed step", HK_STAGES_ID);
+  if (f->count >= 1 && f->count <= HK_MOST_STAGES) return true;
+  return hk_wrong(reason, "its facet '%s' has %zu stages, and 1 to %d are possible", HK_STAGES_ID, f->count,
+                  HK_MOST_STAGES);
+}
+
 static bool one_facet(const hk_plugin *p, const hk_facet *f, hk_reason_text *reason) {
   const facet_rule *rule = rule_of(p->kind, f->id);
   if (!rule) return unknown(p, f->id, reason);
@@ -85,7 +95,8 @@ static bool one_facet(const hk_plugin *p, const hk_facet *f, hk_reason_text *rea
     if (strcmp(other->id, f->id) == 0) return hk_wrong(reason, "it has the facet '%s' twice", f->id);
   if (strcmp(f->id, HK_INTERNAL_ID) == 0 && !(HK_HAS(p->force, energy) && p->force->energy))
     return hk_wrong(reason, "it has the facet '%s' and no energy, which is what its elements dissipate", f->id);
-  return hk_contract_table(f->table, rule->type, rule->least, rule->required, reason);
+  if (!hk_contract_table(f->table, rule->type, rule->least, rule->required, reason)) return false;
+  return strcmp(f->id, HK_STAGES_ID) != 0 || good_stages(p, f->table, reason);
 }
 
 bool hk_contract_facets(const hk_plugin *p, hk_reason_text *reason) {

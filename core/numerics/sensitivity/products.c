@@ -1,0 +1,127 @@
+/* The derivative of the accelerations at a point of a step: by the blocks of the forces whose Jacobian is exact, and by
+ * central differences along the change for the others; by a parameter, by differences between two runs. */
+#include "core/numerics/implicit/implicit.h"
+#include "core/numerics/sensitivity/sensitivity.h"
+
+#include <float.h>
+#include <string.h>
+
+/* m/s^2 of N, and what pins leave of it. */
+static void divide(const hk_sensitivity *s, double *a) {
+  const double *by_mass = s->dynamics->state->model.inverse_mass;
+  for (size_t e = 0; e < 3 * s->n; e++) a[e] *= by_mass[e / 3];
+  if (s->dynamics->pins->has_slides) hk_pins_filter(s->dynamics->pins, a);
+}
+
+/* Which forces evaluations and Jacobians include: those with an exact Jacobian, or the others. */
+static void take_only(hk_sensitivity *s, bool exact) {
+  hk_dynamics *d = s->dynamics;
+  for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = s->exact[k] == exact;
+}
+
+static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, hk_matrix *K, hk_matrix *D) {
+  take_only(s, true);
+  hk_status status = hk_jacobian_assemble(&s->dynamics->system, p->t, p->X, 0, K, D);
+  hk_dynamics_take_all(s->dynamics);
+  return status;
+}
+
+static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, const double *dX, double *a) {
+  size_t v = 3 * s->n;
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++)
+      for (size_t p = 0; p < 9; p++) {
+        size_t at = 3 * (size_t)K->column[e] + p % 3;
+        a[3 * i + p / 3] -= K->value[9 * e + p] * dX[at] + D->value[9 * e + p] * dX[v + at];
+      }
+  divide(s, a);
+}
+
+/* The largest distance of a coordinate from the first particle's, or the largest speed. */
+static double size_of(const double *x, size_t count, bool places) {
+  double most = 0;
+  for (size_t e = 0; e < count; e++) most = fmax(most, fabs(x[e] - (places ? x[e % 3] : 0)));
+  return most;
+}
+
+/* How far along dX differences are taken: the part eps^(1/3) of the scene's extent and of its speeds. */
+static double reach(const double *X, const double *dX, size_t n) {
+  double part = INFINITY, least = pow(DBL_EPSILON, 1.0 / 3);
+  for (int half = 0; half < 2; half++) {
+    double size = size_of(X + 3 * n * (size_t)half, 3 * n, half == 0);
+    double change = size_of(dX + 3 * n * (size_t)half, 3 * n, false);
+    if (change > 0) part = fmin(part, least * (size > 0 ? size : 1) / change);
+  }
+  return part;
+}
+
+static hk_status add_differences(hk_sensitivity *s, const hk_stage_point *p, const double *dX, double *a) {
+  size_t v = 3 * s->n;
+  double part = reach(p->X, dX, s->n), *X = s->scratch, *there = X + 2 * v;
+  hk_status status = HK_OK;
+  if (!(part < INFINITY)) return HK_OK; /* nothing changes */
+  take_only(s, false);
+  for (int side = -1; side <= 1 && status == HK_OK; side += 2) {
+    for (size_t e = 0; e < 2 * v; e++) X[e] = p->X[e] + side * part * dX[e];
+    status = hk_sensitivity_evaluate(s->dynamics, p->t, X, there);
+    for (size_t e = 0; e < v && status == HK_OK; e++) a[e] += side * there[e] / (2 * part);
+  }
+  hk_dynamics_take_all(s->dynamics);
+  return status;
+}
+
+hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart,
+                                  const double *dX, double *a) {
+  hk_matrix K, D;
+  hk_status status = blocks(s, p, &K, &D);
+  for (size_t j = 0; j < count && status == HK_OK; j++) {
+    memset(a + j * apart, 0, 3 * s->n * sizeof *a);
+    add_blocks(s, &K, &D, dX + j * apart, a + j * apart);
+    if (!s->all_exact) status = add_differences(s, p, dX + j * apart, a + j * apart);
+  }
+  return status;
+}
+
+hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX) {
+  hk_matrix K, D;
+  size_t v = 3 * s->n;
+  double *force = s->scratch;
+  hk_status status = blocks(s, p, &K, &D);
+  memset(dX, 0, 2 * v * sizeof *dX);
+  memcpy(force, u, v * sizeof *u);
+  divide(s, force);
+  for (size_t i = 0; i < s->n && status == HK_OK; i++)
+    for (size_t e = K.row_start[i]; e < K.row_start[i + 1]; e++)
+      for (size_t q = 0; q < 9; q++) {
+        size_t at = 3 * (size_t)K.column[e] + q % 3;
+        dX[at] -= K.value[9 * e + q] * force[3 * i + q / 3];
+        dX[v + at] -= D.value[9 * e + q] * force[3 * i + q / 3];
+      }
+  return status;
+}
+
+/* A pin's path is imposed on the place that an evaluation is given. */
+static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t count) {
+  if (memcmp(more, less, count * sizeof *more) == 0) return HK_OK;
+  return hk_error_set(
+      by->more->error, HK_FAILED,
+      "a parameter changes the path of a pin, which is not differentiated: let a force draw the particle along it");
+}
+
+hk_status hk_sensitivity_by_parameter(hk_sensitivity *s, const hk_stage_point *p, const hk_varied *by, double *a) {
+  size_t v = 3 * s->n;
+  double *X = s->scratch, *Y = X + 2 * v, *less = Y + 2 * v;
+  memcpy(X, p->X, 2 * v * sizeof *X); /* an evaluation imposes pins */
+  memcpy(Y, p->X, 2 * v * sizeof *Y);
+  hk_status status = hk_sensitivity_evaluate(by->more, p->t, X, a);
+  if (status == HK_OK) status = hk_sensitivity_evaluate(by->less, p->t, Y, less);
+  if (status == HK_OK) status = refuse_moved_path(by, X, Y, 2 * v);
+  for (size_t e = 0; e < v && status == HK_OK; e++) a[e] = (a[e] - less[e]) / (2 * by->by);
+  if (status == HK_OK) return HK_OK;
+  const char *why = *by->more->error->text ? by->more->error->text : by->less->error->text;
+  return hk_error_set(s->dynamics->error, status, "%s", why);
+}
+
+void hk_sensitivity_start(const hk_varied *by, size_t n, double *dX) {
+  for (size_t e = 0; e < 6 * n; e++) dX[e] = (by->more->state->X[e] - by->less->state->X[e]) / (2 * by->by);
+}

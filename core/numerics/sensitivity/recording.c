@@ -1,0 +1,215 @@
+/* The record of a run's steps, and the steps taken again. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/sensitivity/sensitivity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Such a part of the scene's extent and of its speeds, the end of the steps taken again may be off: rounding, which
+ * motion without order makes larger. */
+static const double tolerance = 1e-6;
+
+/* ---- what cannot be differentiated ---- */
+
+static hk_status refuse_method(const hk_loop *loop, hk_error *error) {
+  if (hk_integrator_tables_of(loop->method)->stages.count > 0) return HK_OK;
+  return hk_error_set(
+      error, HK_FAILED,
+      "integrator '%s' does not state its step as stages (%s), by which steps are differentiated: choose "
+      "one that does, with --integrator",
+      loop->integrator->plugin->name, HK_STAGES_ID);
+}
+
+static hk_status refuse_kinds(const hk_loop *loop, hk_error *error) {
+  static const hk_kind kinds[] = {HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE};
+  for (int k = 0; k < 3; k++)
+    if (loop->plugins->kind[kinds[k]].count)
+      return hk_error_set(error, HK_FAILED,
+                          "%s '%s' acts on the steps, and is not differentiated: leave it out (--without), or take "
+                          "forces in its place",
+                          hk_kind_name(kinds[k]), loop->plugins->kind[kinds[k]].item[0]->label);
+  if (loop->state->model.riders)
+    return hk_error_set(error, HK_FAILED, "the scene has rigid bodies, whose steps are not differentiated");
+  if (loop->state->width)
+    return hk_error_set(error, HK_FAILED, "the scene has channels, which are not differentiated: leave them out");
+  return HK_OK;
+}
+
+static bool begins_or_ends(const hk_plugin_spec *spec, double t) { return spec->from > t || isfinite(spec->to); }
+
+static hk_status refuse_force(const hk_instance *force, double t, hk_error *error) {
+  const hk_force_tables *f = hk_force_of(force->plugin);
+  if (begins_or_ends(force->spec, t))
+    return hk_error_set(
+        error, HK_FAILED,
+        "force '%s' begins or ends at a time, which is not differentiated: give it a smooth function of "
+        "t",
+        force->label);
+  if (f->steps.update)
+    return hk_error_set(
+        error, HK_FAILED,
+        "force '%s' is contact, whose begin and end are not differentiated: leave it out (--without), or "
+        "compare whole runs (hooke sweep)",
+        force->label);
+  if (f->steps.accepted || f->internal.evolve)
+    return hk_error_set(error, HK_FAILED,
+                        "force '%s' remembers what happened, which is not differentiated: compare whole runs (hooke "
+                        "sweep)",
+                        force->label);
+  return HK_OK;
+}
+
+static hk_status refuse(const hk_loop *loop, hk_error *error) {
+  hk_status status = refuse_method(loop, error);
+  if (status == HK_OK) status = refuse_kinds(loop, error);
+  for (size_t k = 0; k < loop->plugins->kind[HK_FORCE].count && status == HK_OK; k++)
+    status = refuse_force(loop->plugins->kind[HK_FORCE].item[k], loop->state->t, error);
+  for (size_t k = 0; k < loop->pins->count && status == HK_OK; k++)
+    if (isfinite(loop->pins->item[k].spec->release))
+      status = hk_error_set(error, HK_FAILED,
+                            "a pin is released at t = %g s, which is not differentiated: begin the scene there",
+                            loop->pins->item[k].spec->release);
+  return status;
+}
+
+/* ---- the record ---- */
+
+static void note_step(void *context, double h) {
+  hk_sensitivity *s = context;
+  void *list = s->step;
+  if (hk_array_reserve(&list, &s->room, s->steps + 1, sizeof *s->step) != 0) s->no_memory = true;
+  s->step = list;
+  if (s->no_memory) return;
+  const hk_taken_step *last = s->steps ? &s->step[s->steps - 1] : NULL;
+  s->step[s->steps] = (hk_taken_step){s->reached, h, !last || last->h != h};
+  s->steps++;
+  s->reached = s->loop->state->t;
+}
+
+/* The other hooks of the run, with their own context. */
+static hk_status frame(void *context) {
+  const hk_loop_hooks *h = &((hk_sensitivity *)context)->hooks;
+  return h->frame ? h->frame(h->context) : HK_OK;
+}
+
+static hk_status framed(void *context) {
+  const hk_loop_hooks *h = &((hk_sensitivity *)context)->hooks;
+  return h->framed ? h->framed(h->context) : HK_OK;
+}
+
+static void now_and_then(void *context) {
+  const hk_loop_hooks *h = &((hk_sensitivity *)context)->hooks;
+  if (h->now_and_then) h->now_and_then(h->context);
+}
+
+static void find_exact(hk_sensitivity *s) {
+  const hk_instances *forces = &s->loop->plugins->kind[HK_FORCE];
+  s->all_exact = true;
+  for (size_t k = 0; k < forces->count; k++) {
+    const hk_force_tables *f = hk_force_of(forces->item[k]->plugin);
+    bool constant = !(f->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V));
+    s->exact[k] = constant || (f->implicit.jacobian && !(f->own.flags & HK_STIFFER_BLOCKS));
+    if (s->exact[k]) continue;
+    s->all_exact = false;
+    s->inexact = forces->item[k]->label;
+  }
+}
+
+static hk_status reserve(hk_sensitivity *s) {
+  size_t v = 3 * s->n, stages = s->method->count;
+  s->exact = calloc(s->loop->plugins->kind[HK_FORCE].count + 1, sizeof *s->exact);
+  s->start = malloc((2 * v + 1) * sizeof *s->start);
+  s->scratch = malloc(((5 + 3 * stages) * v + 1) * sizeof *s->scratch);
+  if (!s->exact || !s->start || !s->scratch) return HK_NO_MEMORY;
+  for (size_t k = 0; k < stages; k++) {
+    s->point[k].X = s->scratch + (5 + 3 * k) * v;
+    s->point[k].a = s->point[k].X + 2 * v;
+  }
+  memcpy(s->start, s->loop->state->X, 2 * v * sizeof *s->start);
+  return HK_OK;
+}
+
+hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *error) {
+  hk_status status = refuse(loop, error);
+  hk_sensitivity *s = status == HK_OK ? calloc(1, sizeof *s) : NULL;
+  *made = s;
+  if (status != HK_OK) return status;
+  if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory for the record of steps");
+  s->loop = loop;
+  s->dynamics = loop->dynamics;
+  s->method = &hk_integrator_tables_of(loop->method)->stages;
+  s->n = loop->state->model.n;
+  s->reached = loop->state->t;
+  if (reserve(s) != HK_OK) return hk_error_set(error, HK_NO_MEMORY, "no memory for the record of steps");
+  find_exact(s);
+  s->hooks = loop->hooks;
+  loop->hooks =
+      (hk_loop_hooks){.context = s, .frame = frame, .framed = framed, .moved = note_step, .now_and_then = now_and_then};
+  return HK_OK;
+}
+
+/* ---- the steps taken again ---- */
+
+static size_t stride_of(size_t steps) { return steps > 1 ? (size_t)ceil(sqrt((double)steps)) : 1; }
+
+double hk_sensitivity_bytes(size_t n, size_t steps) {
+  double stride = (double)stride_of(steps);
+  return ((double)steps / stride + 1 + stride) * 9 * (double)n * sizeof(double);
+}
+
+/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size. */
+static double off_by(const double *X, const double *Y, size_t n) {
+  double worst = 0;
+  for (int half = 0; half < 2; half++) {
+    double most = 0, size = 0;
+    for (size_t e = 3 * n * (size_t)half; e < 3 * n * (size_t)(half + 1); e++) {
+      double from = half ? 0 : Y[e % 3];
+      most = fmax(most, fabs(X[e] - Y[e]));
+      size = fmax(size, fabs(Y[e] - from));
+    }
+    worst = fmax(worst, most / (size > 0 ? size : 1));
+    if (!isfinite(most)) return INFINITY;
+  }
+  return worst;
+}
+
+static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
+  size_t size = 9 * s->n;
+  hk_status status = HK_OK;
+  memset(Z, 0, size * sizeof *Z);
+  memcpy(Z, s->start, 6 * s->n * sizeof *Z);
+  for (size_t k = 0; k < s->steps && status == HK_OK; k++) {
+    if (k % s->stride == 0) memcpy(s->kept + k / s->stride * size, Z, size * sizeof *Z);
+    status = hk_sensitivity_step(s, &s->step[k], Z);
+  }
+  return status;
+}
+
+hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
+  s->loop->hooks = s->hooks;
+  s->stride = stride_of(s->steps);
+  s->kept = malloc(((s->steps / s->stride + 1) * 9 * s->n + 1) * sizeof *s->kept);
+  hk_carried *Z = malloc((9 * s->n + 1) * sizeof *Z);
+  hk_status status = s->no_memory || !s->kept || !Z ? HK_NO_MEMORY : HK_OK;
+  if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
+  if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
+    hk_error_set(error, status, "%s", s->dynamics->error->text);
+  double off = status == HK_OK ? off_by(Z, s->loop->state->X, s->n) : 0;
+  free(Z);
+  if (!(off > tolerance)) return status;
+  return hk_error_set(error, HK_FAILED,
+                      "the steps, taken again, end elsewhere, by %.2g of the scene's size: its motion makes rounding "
+                      "that large, or something acts beside the forces; shorten the run (--at)",
+                      off);
+}
+
+void hk_sensitivity_close(hk_sensitivity *s) {
+  if (!s) return;
+  if (s->loop && s->loop->hooks.context == s) s->loop->hooks = s->hooks;
+  free(s->step);
+  free(s->start);
+  free(s->kept);
+  free(s->exact);
+  free(s->scratch);
+  free(s);
+}

@@ -1,0 +1,120 @@
+/* Derivatives of the steps that a run has taken: how the state at its end depends on its start and on parameters.
+ *
+ * The method states its step as linear combinations of accelerations (core/plugin/facets/stages.h), so that the
+ * derivative of a step follows from that of the accelerations, by K = -dF/dx and D = -dF/dv. Forwards it carries a
+ * tangent, the change of the state with one parameter; backwards an adjoint, the change of one number of the last state
+ * with the state before (Griewank and Walther, Evaluating Derivatives, 2008, chapters 3 and 12). Both are the
+ * derivative of the discrete steps, not a discretisation of the derivative: they agree with each other up to rounding.
+ * The work in X is not differentiated.
+ *
+ * While the run goes on only times and lengths of its steps are kept. Afterwards they are taken again, which has to
+ * lead to the same end: whatever acts on the run beside its accelerations is found so. The adjoint needs the states in
+ * reverse order: of N steps those of about sqrt N are kept, and the steps between two of them taken once more. */
+#ifndef HK_SENSITIVITY_H
+#define HK_SENSITIVITY_H
+
+#include "core/engine/loop/loop.h"
+
+typedef struct hk_taken_step {
+  double t, h; /* s, its begin and its length */
+  bool fresh;  /* the first stage is evaluated, whatever the step before has left */
+} hk_taken_step;
+
+/* A point at which a step evaluates: x and v, n x 3 each, one behind the other. */
+typedef struct hk_stage_point {
+  double t;
+  double *X, *a; /* 6n and 3n numbers */
+} hk_stage_point;
+
+/* x, v and the acceleration that the next step begins with, n x 3 each, of the state or of a tangent; of an adjoint the
+ * derivatives by these. */
+typedef double hk_carried;
+
+/* A function of time, linear between values at equally spaced knots and constant beyond them. */
+typedef struct hk_knots {
+  size_t count;      /* 2 or more */
+  double begin, end; /* s */
+  double *slope;     /* count: the adjoint's derivative by each value */
+} hk_knots;
+
+/* How the scene changes with a parameter: two further runs of it, at their start, whose parameter is larger and smaller
+ * by `by`. Their accelerations at the same x and v are compared, with an error of by^2/6 times the third derivative by
+ * the parameter. */
+typedef struct hk_varied {
+  hk_dynamics *more, *less;
+  double by;
+  /* NULL: a number. Otherwise a function of time on which accelerations depend, and the start does not: all of it is
+   * larger and smaller by `by`. For the adjoint alone. */
+  const hk_knots *knots;
+} hk_varied;
+
+typedef struct hk_sensitivity {
+  hk_loop *loop;
+  hk_dynamics *dynamics;
+  const hk_stages_facet *method;
+  size_t n, steps, room;
+  hk_taken_step *step;
+  double reached;      /* s, the end of the last step */
+  bool no_memory;      /* for the list of steps */
+  hk_loop_hooks hooks; /* those of the run, which are called as before */
+  double *start;       /* x and v before the first step */
+  size_t stride;       /* a state is kept every so many steps */
+  hk_carried *kept;    /* before steps 0, stride, 2 stride, ... */
+  bool *exact;         /* one per force: its Jacobian is that of the force */
+  bool all_exact;      /* others are differentiated by differences, which have no transpose */
+  const char *inexact; /* label of one that is not */
+  hk_stage_point point[HK_MOST_STAGES];
+  double *scratch; /* 15n, of products and differences; behind it the points */
+} hk_sensitivity;
+
+/* ---- recording.c ---- */
+
+/* At the start of a run: refuses in one sentence what cannot be differentiated, and keeps its steps from here on.
+ * *made is to be closed, before the run, after a failure as well. */
+hk_status hk_sensitivity_open(hk_loop *, hk_sensitivity **made, hk_error *);
+/* Ends the record, and takes the steps again. HK_FAILED: they do not lead to the same end. */
+hk_status hk_sensitivity_finish(hk_sensitivity *, hk_error *);
+void hk_sensitivity_close(hk_sensitivity *);
+/* Bytes that the states take which an adjoint of so many steps of n particles keeps at a time. */
+double hk_sensitivity_bytes(size_t n, size_t steps);
+
+/* ---- tangent.c, adjoint.c: after `finish` ---- */
+
+/* Called at the start and after every step, with the state at t and the tangents of all parameters (x, v: 6n each,
+ * 9n apart). A failure ends the tangents with it. */
+typedef hk_status hk_sensitivity_watch(void *context, double t, const double *X, const double *tangents);
+
+/* The derivatives of the states by each parameter. */
+hk_status hk_sensitivity_tangents(hk_sensitivity *, const hk_varied *, size_t count, hk_sensitivity_watch *,
+                                  void *context, hk_error *);
+/* X: on entry the derivative of a number by x and v at the end (6n), on return that by x and v at the start; slope: of
+ * that number by each parameter through all steps and the start, of one with knots by all its values together.
+ * HK_FAILED: a force has no exact Jacobian. */
+hk_status hk_sensitivity_adjoint(hk_sensitivity *, double *X, const hk_varied *, size_t count, double *slope,
+                                 hk_error *);
+
+/* ---- stages.c ---- */
+
+/* Takes a step from Z to Z, and keeps its points. */
+hk_status hk_sensitivity_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z);
+/* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before. */
+void hk_sensitivity_stage(const hk_sensitivity *, const hk_taken_step *, size_t k, const hk_carried *Z,
+                          double *const a[HK_MOST_STAGES], double *X);
+void hk_sensitivity_arrive(const hk_sensitivity *, const hk_taken_step *, double *const a[HK_MOST_STAGES],
+                           hk_carried *Z);
+/* Whether stage k is evaluated, not carried over. */
+bool hk_sensitivity_evaluates(const hk_sensitivity *, const hk_taken_step *, size_t k);
+hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a); /* at X (6n) */
+
+/* ---- products.c: the derivative of the accelerations at a point ---- */
+
+/* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). */
+hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size_t count, size_t apart,
+                                  const double *dX, double *a);
+/* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. */
+hk_status hk_sensitivity_transposed(hk_sensitivity *, const hk_stage_point *, const double *u, double *dX);
+/* da/dp, 3n. */
+hk_status hk_sensitivity_by_parameter(hk_sensitivity *, const hk_stage_point *, const hk_varied *, double *a);
+void hk_sensitivity_start(const hk_varied *, size_t n, double *dX); /* d(x, v)/dp of the start */
+
+#endif

@@ -1,0 +1,28 @@
+/* Facet of explicit methods with a fixed step: the step as linear combinations of accelerations, by which the host
+ * differentiates it (core/numerics/sensitivity). In a step of h, from x and v at t, stage k has the acceleration
+ *     a_k = a(t + c_k h,  x + c_k h v + h^2 sum_{j<k} x_kj a_j,  v + h sum_{j<k} v_kj a_j),
+ * and the step ends at x + h v + h^2 sum_j X_j a_j and v + h sum_j V_j a_j (Nystroem 1925; Hairer, Norsett and Wanner,
+ * Solving ODEs I, II.14). A Runge-Kutta method with the matrix A and the weights b has v_kj = A, x_kj = A A, V = b and
+ * X = b A. */
+#ifndef HK_PLUGIN_STAGES_H
+#define HK_PLUGIN_STAGES_H
+
+#include "core/plugin/integrator.h"
+
+#define HK_STAGES_ID "stages/1"
+#define HK_STAGES_FACET(...) HK_FACET(HK_STAGES_ID, hk_stages_facet, __VA_ARGS__)
+
+enum { HK_MOST_STAGES = 4 };
+
+typedef struct hk_stages_facet {
+  size_t size;
+  size_t count; /* of stages, 1 to HK_MOST_STAGES */
+  /* The first stage has the acceleration of the last stage of the step before, unless there is none or `reset` has been
+   * called since. */
+  bool carries;
+  double c[HK_MOST_STAGES];
+  double x[HK_MOST_STAGES][HK_MOST_STAGES], v[HK_MOST_STAGES][HK_MOST_STAGES]; /* below the diagonal */
+  double x_end[HK_MOST_STAGES], v_end[HK_MOST_STAGES];                         /* X and V. Required. */
+} hk_stages_facet;
+
+#endif

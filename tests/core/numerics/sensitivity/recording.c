@@ -1,0 +1,94 @@
+/* What cannot be differentiated is refused in one sentence, and what the states take is known before. */
+#include "tests/support/varied_scenes.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Opens a scene of two particles, on a spring and beside, and one more thing of it; fails where it is not refused. */
+static void refused(void (*add)(test_engine *), const char *integrator, const char *text) {
+  test_engine e;
+  test_engine_open(&e);
+  test_particle(&e, 0, 0, 0, 1);
+  test_particle(&e, 1, 0, 0, 1);
+  hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
+  test_edges(&e, springs, (const uint32_t[][2]){{1, 2}}, 1);
+  test_number(&e, springs, "k", 50);
+  if (add) add(&e);
+  e.options.integrator = integrator;
+  e.options.dt = 1e-3;
+  test_run(&e);
+  hk_sensitivity *s = NULL;
+  hk_error error = {0};
+  if (hk_sensitivity_open(&e.run->loop, &s, &error) != HK_FAILED) fail_msg("not refused: %s", text);
+  if (!strstr(error.text, text)) fail_msg("'%s' is not in: %s", text, error.text);
+  hk_sensitivity_close(s);
+  test_engine_close(&e);
+}
+
+static void bar(test_engine *e) {
+  test_edges(e, test_plugin(e, HK_CONSTRAINT, "bars"), (const uint32_t[][2]){{1, 2}}, 1);
+}
+
+static void floor_below(test_engine *e) {
+  hk_plugin_spec *floor = test_plugin(e, HK_CORRECTOR, "obstacle");
+  test_text(e, floor, "shape", "plane");
+}
+
+static void ending(test_engine *e) { e->scene->plugin[HK_FORCE].item[0]->to = 0.5; }
+
+static void plastic(test_engine *e) {
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "plastic_springs");
+  test_edges(e, springs, (const uint32_t[][2]){{1, 2}}, 1);
+  test_number(e, springs, "k", 50);
+  test_number(e, springs, "yield", 0.1);
+}
+
+static void released(test_engine *e) {
+  uint32_t id = 1;
+  const hk_pin_spec spec = {.kind = HK_PIN_FIXED, .count = 1, .id = &id, .release = 0.2};
+  assert_int_equal(hk_scene_add_pin(e->scene, &spec, &e->error), HK_OK);
+}
+
+static void what_is_not_differentiated_is_refused(void **state) {
+  (void)state;
+  refused(NULL, "dopri5", "integrator 'dopri5' does not state its step as stages (stages/1)");
+  refused(NULL, "backward_euler", "integrator 'backward_euler' does not state");
+  refused(bar, "leapfrog", "constraint 'bars' acts on the steps, and is not differentiated");
+  refused(floor_below, "leapfrog", "corrector 'obstacle' acts on the steps");
+  refused(ending, "leapfrog", "force 'springs' begins or ends at a time");
+  refused(plastic, "leapfrog", "force 'plastic_springs' remembers what happened");
+  refused(released, "leapfrog", "a pin is released at t = 0.2 s");
+}
+
+/* sqrt N states, and the sqrt N of the steps between two of them: 9 numbers a particle each. */
+static void memory_grows_with_the_root_of_the_steps(void **state) {
+  (void)state;
+  double few = hk_sensitivity_bytes(1000, 10000), many = hk_sensitivity_bytes(1000, 1000000);
+  assert_true(fabs(few - 201 * 9 * 1000 * 8.0) < 1);
+  assert_true(many < 10.1 * few);
+}
+
+/* Hooks of the run are called as before, and are its own again afterwards. */
+static void the_run_keeps_its_hooks(void **state) {
+  (void)state;
+  varied_runs r;
+  varied_open(&r, varied_tetrahedron, "leapfrog", (double[]){50, 0.7, 2, 0.3}, 0, 2e-3);
+  size_t frames = r.base.run->record.frames;
+  hk_loop_hooks hooks = r.s->hooks;
+  varied_run(&r, 0.4);
+  assert_true(r.base.run->record.frames > frames);
+  assert_memory_equal(&hooks, &r.base.run->loop.hooks, sizeof hooks);
+  varied_close(&r);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(what_is_not_differentiated_is_refused),
+      cmocka_unit_test(memory_grows_with_the_root_of_the_steps),
+      cmocka_unit_test(the_run_keeps_its_hooks),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

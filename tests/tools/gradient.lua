@@ -1,0 +1,114 @@
+-- hooke gradient as a user meets it: derivatives that are known in closed form, forwards and backwards, a kink that is said,
+-- and what is refused in one sentence.
+package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
+local files = require("files")
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
+
+local folder = os.tmpname()
+os.remove(folder)
+assert(os.execute("mkdir -p " .. folder))
+
+local function write(name, text) files.write(folder .. "/" .. name, text) end
+local function read(name) return assert(files.read(folder .. "/" .. name), name) end
+
+-- The exit code and all that is printed.
+local function gradient(arguments)
+  local pipe = io.popen(("cd %s && %s/hooke gradient %s 2>&1"):format(folder, build, arguments))
+  local text = pipe:read("a")
+  local _, _, code = pipe:close()
+  return code, text
+end
+
+local function refused(arguments, wanted)
+  local code, text = gradient(arguments)
+  assert(code == 1 and text:find(wanted, 1, true) and not text:find("\n.", 1), ("%s: exit %d: %s"):format(arguments, code, text))
+end
+
+-- The derivative, the part of the steps in it and that of rounding.
+local function derivative(text, name)
+  local found, steps, rounding = text:match("\n  " .. name .. " +%S+ +(%S+) +(%S+) +(%S+)")
+  return assert(tonumber(found), text), tonumber(steps), tonumber(rounding)
+end
+
+-- ---- an oscillator, x = A cos(w t + f): stiffness, mass, and start in three ways ----
+
+write("swing.lua", [[
+local k = param("k", 40, "stiffness, N/m", { min = 0 })
+local m = param("m", 2, "mass, kg", { min = 0.1 })
+local start = param("start", 0.1, "m")
+local speed = param("speed", 0.2, "m/s")
+local factor = param("factor", 3, "of the measure")
+local scene = hooke.scene { duration = 1.5, fps = 20, integrator = "leapfrog", dt = 1e-3 }
+local p = scene:particle { position = { start, 0, 0 }, velocity = { speed, 0, 0 }, mass = m }
+scene:force("central", { strength = k, per = "particle" })
+scene:measure("x", function(s) return s:position(p)[1] end)
+scene:measure("scaled", function(s) return factor * s:position(p)[1] end)
+scene:measure("size", function(s) return math.abs(s:position(p)[1]) end)
+local calls = 0
+scene:measure("calls", function() calls = calls + 1 return calls end)
+return scene
+]])
+local w, t = math.sqrt(40 / 2), 1.5
+local x = 0.1 * math.cos(w * t) + 0.2 / w * math.sin(w * t)
+local by_w = -0.1 * t * math.sin(w * t) + 0.2 * (t * math.cos(w * t) / w - math.sin(w * t) / w ^ 2)
+local exact = { k = by_w * w / (2 * 40), m = -by_w * w / (2 * 2), start = math.cos(w * t), speed = math.sin(w * t) / w }
+
+local function check(text, factor, names)
+  for _, name in ipairs(names) do
+    local found, steps, rounding = derivative(text, name)
+    local slope = factor * exact[name]
+    assert(math.abs(found - slope) <= 1.05 * steps + rounding, ("%s: %g\n%s"):format(name, slope, text))
+    assert(steps < 1e-3 * math.abs(found) and rounding < 1e-8 * math.abs(found), text)
+  end
+end
+
+local code, text = gradient("swing.lua --of x --by k,m,start,speed,factor")
+assert(code == 0, text)
+check(text, 1, { "k", "m", "start", "speed" })
+assert(derivative(text, "factor") == 0, text)
+assert(text:find("leapfrog, 1500 steps of 0.001 s, forwards", 1, true), text)
+assert(read("out/gradient/swing/gradient.json"):find('"sure":true', 1, true))
+assert(read("out/gradient/swing/gradient.csv"):find("^t,x,by_k,by_m,by_start,by_speed,by_factor\n0,0.1"))
+assert(select(2, read("out/gradient/swing/gradient.csv"):gsub("\n", "\n")) == 32) -- a frame at every 0.05 s
+
+-- Backwards, and by what the measure itself makes of a parameter.
+code, text = gradient("swing.lua --of scaled --by k,start,factor --way backwards")
+assert(code == 0 and text:find("backwards", 1, true), text)
+check(text, 3, { "k", "start" })
+local found, steps = derivative(text, "factor")
+assert(math.abs(found - x) <= 1.05 * steps + 1e-12, text)
+
+-- ---- a rope that goes slack, where the derivative is one-sided ----
+
+write("rope.lua", [[
+local far = param("far", 1, "where it begins, m")
+local scene = hooke.scene { duration = 0.3, integrator = "rk4", dt = 1e-2 }
+local p = scene:particle { position = { far, 0, 0 } }
+local o = scene:particle { position = { 0, 0, 0 } }
+scene:pin { o }
+scene:force("ropes", { edges = { { p, o } }, k = 100, rest = 1 })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+code, text = gradient("rope.lua --of x --by far")
+assert(code == 2 and text:find("not sure: far: whole runs beside give", 1, true), text)
+
+-- ---- what is refused ----
+
+refused("swing.lua --by k", "no measure: --of MEASURE")
+refused("swing.lua --of y --by k", "the scene has no measure 'y'; ")
+refused("swing.lua --of x --by k --at 2", "--at: 2 s is after the scene's duration, 1.5 s")
+refused("swing.lua --of x --by k=0", "k = 0 is at its bound, where a derivative is one-sided")
+refused("swing.lua --of calls --by k", "the measure 'calls': it remembers its calls")
+refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; it has euler, leapfrog")
+
+write("more.lua", [[
+local count = param("count", 2.5, "of particles")
+local scene = hooke.scene { duration = 0.1, integrator = "rk4", dt = 1e-2 }
+for k = 1, count > 2.5 and 3 or 2 do scene:particle { position = { k, 0, 0 } } end
+scene:measure("x", function(s) return s:position(1)[1] end)
+return scene
+]])
+refused("more.lua --of x --by count", "count: it changes the number or the order of the particles")
+
+os.execute("rm -r " .. folder)

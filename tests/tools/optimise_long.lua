@@ -1,0 +1,90 @@
+-- Optima of motions that turn over, which are known by multipliers: a pendulum swung up, by shooting with Pontryagin's
+-- equations here, and the cart-pole of Kelly, SIAM Review 59, 2017, whose cost is known to nine digits.
+package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
+local files = require("files")
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
+
+local folder = os.tmpname()
+os.remove(folder)
+assert(os.execute("mkdir -p " .. folder))
+
+local function write(name, text) files.write(folder .. "/" .. name, text) end
+
+local function optimum(arguments)
+  local pipe = io.popen(("cd %s && %s/hooke optimise %s --quiet 2>&1"):format(folder, build, arguments))
+  local text = pipe:read("a")
+  assert(pipe:close(), text)
+  return tonumber(text:match("optimum 1: (%S+)")), text
+end
+
+-- ---- a pendulum: q'' = u - sin q from rest at 0 to rest at pi in 4 s ----
+
+write("swing_up.lua", [[
+local control = require("control")
+local torque = control("torque", { knots = 61, duration = 4 })
+local scene = hooke.scene { duration = 4, fps = 10, integrator = "rk4", dt = 0.02 }
+local p = scene:particle { position = { 0, 0, 0 } }
+scene:force("field", { f = function(t, q) return torque(t) - math.sin(q), 0, 0 end })
+scene:measure("q", function(s) return s:position(p)[1] end)
+scene:measure("w", function(s) return s:velocity(p)[1] end)
+return scene
+]])
+local cost, text = optimum("swing_up.lua --goal q=3.141592653589793,w=0")
+
+-- u = -l2/2, l1' = l2 cos q, l2' = -l1: the end of q, w and the integral of u^2 from l1 and l2 at the start, by rk4.
+local function shoot(l1, l2)
+  local function f(y) return { y[2], -y[4] / 2 - math.sin(y[1]), y[4] * math.cos(y[1]), -y[3], y[4] ^ 2 / 4 } end
+  local function at(y, h, slope)
+    local z = {}
+    for i = 1, 5 do z[i] = y[i] + h * slope[i] end
+    return z
+  end
+  local y, steps = { 0, 0, l1, l2, 0 }, 2000
+  local h = 4 / steps
+  for _ = 1, steps do
+    local a = f(y)
+    local b = f(at(y, h / 2, a))
+    local c = f(at(y, h / 2, b))
+    local d = f(at(y, h, c))
+    for i = 1, 5 do y[i] = y[i] + h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]) end
+  end
+  return y
+end
+
+-- Newton's method from what the first two values of the optimum say: l2 = -2 u, l1 = 2 u'.
+local first, second = files.read(folder .. "/out/optimise/swing_up/1-torque.txt"):match("^%S+ (%S+) (%S+)")
+local l1, l2 = 2 * (second - first) / (4 / 60), -2 * tonumber(first)
+for _ = 1, 30 do
+  local y, d = shoot(l1, l2), 1e-6
+  local a, b = shoot(l1 + d, l2), shoot(l1, l2 + d)
+  local j11, j12, j21, j22 = (a[1] - y[1]) / d, (b[1] - y[1]) / d, (a[2] - y[2]) / d, (b[2] - y[2]) / d
+  local r1, r2, det = y[1] - math.pi, y[2], j11 * j22 - j12 * j21
+  l1, l2 = l1 - (r1 * j22 - r2 * j12) / det, l2 - (r2 * j11 - r1 * j21) / det
+end
+local y = shoot(l1, l2)
+assert(math.abs(y[1] - math.pi) < 1e-9 and math.abs(y[2]) < 1e-9)
+assert(math.abs(cost - y[5]) < 1e-5 * y[5], ("%.9g\n%s"):format(y[5], text))
+
+-- ---- a cart of 1 kg with a pole of 0.5 m and 0.3 kg: 1 m to the side and upright in 2 s ----
+
+write("cart_pole.lua", [[
+local control = require("control")
+local push = control("push", { knots = 81, duration = 2 })
+local m1, m2, l, g = 1, 0.3, 0.5, 9.81
+local scene = hooke.scene { duration = 2, fps = 20, integrator = "rk4", dt = 0.0125 }
+local p = scene:particle { position = { 0, 0, 0 } }
+scene:force("field", { f = function(t, _, q, _, _, w) -- m of the cart, and the pole's angle
+  local u, s, c = push(t), math.sin(q), math.cos(q)
+  local d = m1 + m2 * s * s
+  return (l * m2 * s * w * w + u + m2 * g * c * s) / d, -(l * m2 * c * s * w * w + u * c + (m1 + m2) * g * s) / (l * d), 0
+end })
+scene:measure("x", function(s) return s:position(p)[1] end)
+scene:measure("q", function(s) return s:position(p)[2] end)
+scene:measure("v", function(s) return s:velocity(p)[1] end)
+scene:measure("w", function(s) return s:velocity(p)[2] end)
+return scene
+]])
+cost, text = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0")
+assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s apart cost 2.3e-4 more
+
+os.execute("rm -r " .. folder)

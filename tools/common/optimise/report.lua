@@ -1,0 +1,109 @@
+-- What `hooke optimise` has found: words on standard output, optimum.json, and for every optimum the controls as a table, as
+-- texts to run the scene with, and in a diagram.
+local command_line = require("common.run.command_line")
+local csv = require("common.run.csv")
+local derivative = require("common.gradient.derivative")
+local files = require("common.run.file")
+local journal = require("common.bench.journal")
+local plot = require("common.run.plot")
+
+local report = {}
+
+local function plain(x) return x and x == x and math.abs(x) < math.huge and x or journal.json.null end
+
+-- Sentences on what is not as it should be with an optimum.
+function report.doubts(o, optimum)
+  local list = {}
+  if optimum.ended ~= "converged" then
+    list[1] = ("it ended after %s; goals that contradict each other or are out of reach cannot be met"):format(optimum.ended)
+  end
+  if optimum.replay.failed then
+    list[#list + 1] = ("%s does not run to the end with these controls: %s"):format(o.independent, optimum.replay.failed)
+  end
+  for g, goal in ipairs(o.goals) do
+    local miss = optimum.replay.misses and optimum.replay.misses[g]
+    if miss and math.abs(miss) > o.accuracy * math.max(goal.scale, optimum.reach[g]) then
+      list[#list + 1] = ("%s misses %s = %.9g by %.3g: shorter steps, --dt"):format(o.independent, goal.name, goal.value, miss)
+    end
+  end
+  return list
+end
+
+local function print_optimum(o, k, optimum)
+  print(("  optimum %d: %.12g after %d iterations, from %d of %d starts"):format(k, optimum.cost, optimum.iterations,
+    optimum.starts, o.starts + 1))
+  for g, goal in ipairs(o.goals) do
+    print(("    %-16s %14.9g  off by %10.2g, by %s %10.2g"):format(goal.name, goal.value, optimum.misses[g], o.independent,
+      optimum.replay.misses and optimum.replay.misses[g] or 0 / 0))
+  end
+  for _, text in ipairs(optimum.doubts) do print("    not sure: " .. text) end
+end
+
+local function json_text(o, optima)
+  local list = {}
+  for k, optimum in ipairs(optima) do
+    local controls, goals = {}, {}
+    for j, control in ipairs(optimum.controls) do
+      controls[j] = { name = control.name, duration = control.duration, values = control.values }
+    end
+    for g, goal in ipairs(o.goals) do
+      goals[g] = { name = goal.name, value = goal.value, off = plain(optimum.misses[g]),
+        replayed_off = plain(optimum.replay.misses and optimum.replay.misses[g]) }
+    end
+    list[k] = { cost = optimum.cost, iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
+      goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
+  end
+  return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,
+    optima = list, sure = #optima[1].doubts == 0 }
+end
+
+local function csv_text(controls)
+  local lines = { "control,t,value" }
+  for _, control in ipairs(controls) do
+    for k, value in ipairs(control.values) do
+      local t = (k - 1) / (#control.values - 1) * control.duration
+      lines[#lines + 1] = table.concat({ csv.text(control.name), csv.cell(t), csv.cell(value) }, ",")
+    end
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+local function draw(o, optima)
+  local curves = {}
+  for k, optimum in ipairs(optima) do
+    for _, control in ipairs(optimum.controls) do
+      local curve = { title = ("%s, %.6g"):format(control.name, optimum.cost), points = {}, lines = true }
+      for j, value in ipairs(control.values) do
+        curve.points[j] = { (j - 1) / (#control.values - 1) * control.duration, value }
+      end
+      if k <= 4 then curves[#curves + 1] = curve end
+    end
+  end
+  return plot.draw(o.out .. "/controls", { title = ("%s: controls and their cost"):format(o.scene:match("([^/]+)$")),
+    x = { label = "t, s" }, y = { label = "control" }, curves = curves })
+end
+
+-- Prints and writes everything; or nil and why not.
+function report.write(o, optima)
+  local fine, why = files.write(o.out .. "/optimum.json", json_text(o, optima) .. "\n")
+  for k, optimum in ipairs(optima) do
+    if fine then fine, why = files.write(("%s/%d.csv"):format(o.out, k), csv_text(optimum.controls)) end
+    for _, control in ipairs(optimum.controls) do
+      local text = derivative.control_text(control, 0) .. "\n"
+      if fine then fine, why = files.write(("%s/%d-%s.txt"):format(o.out, k, control.name), text) end
+    end
+  end
+  if fine then fine, why = draw(o, optima) end
+  if o.json then
+    command_line.print_json(json_text(o, optima))
+    return fine, why
+  end
+  print(("%s: least integral of the squares of the controls, to t = %.9g s (%s, steps of %.4g s)"):format(
+    o.scene:match("([^/]+)$"), o.at, o.plugin, o.dt))
+  for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
+  local first = optima[1].controls[1].name
+  print(("run it: hooke run %s %s=\"$(cat %s/1-%s.txt)\""):format(o.scene, first, o.out, first))
+  return fine, why
+end
+
+return report

@@ -1,0 +1,134 @@
+-- hooke gradient SCENE.lua --of MEASURE --by NAME,NAME [name=value ...]: the derivative of a measure by parameters.
+-- It is that of the steps taken: forwards, one tangent for each parameter, or backwards, one adjoint for all of them. Beside
+-- it stand what half the step changes, what rounding leaves, and the derivative by whole runs, with which it has to agree.
+local argparse = require("argparse")
+local case_process = require("common.run.case_process")
+local command_line = require("common.run.command_line")
+local derivative = require("common.gradient.derivative")
+local files = require("common.run.file")
+local parameters = require("common.run.parameters")
+local report = require("common.gradient.report")
+
+local function complain(format, ...) return command_line.complain("gradient", format:format(...)) end
+
+local function parser()
+  local p = argparse("hooke gradient", "The derivative of a measure of a scene by its parameters.")
+  p:argument("scene", "the scene's script, and values of other parameters, name=value"):args("+")
+  p:option("--of", "the measure, as scene:measure() names it")
+  p:option("--by", "the parameters, k,c; at another value than their own, k=20"):count("*")
+  p:option("--at", "s, the time at which the measure is taken (the end)"):convert(command_line.positive("--at"))
+  p:option("--way", "forwards, backwards, or auto: backwards for more than eight parameters"):default("auto")
+    :choices { "auto", "forwards", "backwards" }
+  p:option("--integrator", "in place of the scene's")
+  p:option("--dt", "s, the longest step"):convert(command_line.positive("--dt"))
+  p:option("--seed", "of the scene's chance"):convert(command_line.whole("--seed"))
+  p:option("--out", "where the results go (out/gradient/SCENE)")
+  p:flag("--trust", "the scene may use plugins beside it")
+  p:flag("--json", "the result as JSON on standard output")
+  return p
+end
+
+local function options()
+  local o = command_line.parse("gradient", parser())
+  if not o then return nil end
+  local why
+  o.scene, o.params, why = command_line.scene(o.scene)
+  if not o.scene then return nil, why or "no scene is named" end
+  if not o.of then return nil, "no measure: --of MEASURE" end
+  o.parameters, why = parameters.wanted(o.by)
+  if not o.parameters then return nil, why end
+  o.out = o.out or "out/gradient/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
+  return o
+end
+
+local function check_measure(o, measures)
+  local names = {}
+  for name in pairs(measures) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    if name == o.of then return true end
+  end
+  local near = hooke.nearest(o.of, names)
+  return nil, ("the scene has no measure '%s'; %s"):format(o.of, near and ("did you mean '%s'?"):format(near)
+    or #names > 0 and "it has " .. table.concat(names, ", ") or "it has none: scene:measure(name, function)")
+end
+
+-- Fills in what the scene says; or nil and what is wrong.
+local function ready(o)
+  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator })
+  if not explained then return nil, why end
+  local fine
+  fine, why = parameters.complete(o.parameters, explained, o.params)
+  if not fine then return nil, why end
+  if o.at and o.at > explained.duration then
+    return nil, ("--at: %g s is after the scene's duration, %g s"):format(o.at, explained.duration)
+  end
+  o.at = o.at or explained.duration
+  local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
+    seed = o.seed, ["until"] = 0 }
+  if not start.measures then return nil, start.failed end
+  fine, why = check_measure(o, start.measures)
+  if not fine then return nil, why end
+  o.plugin = start.integrator
+  o.backwards = o.way == "backwards" or o.way == "auto" and #o.parameters > derivative.most_forwards
+  if not files.make_folder(o.out) then return nil, "cannot make the folder " .. o.out end
+  return true
+end
+
+-- Integrators whose steps can be differentiated, and their order by name.
+local function methods()
+  local names, order = {}, {}
+  for _, p in ipairs((hooke.catalogue())) do
+    if p.kind == "integrator" then order[p.name] = p.order end
+    if p.kind == "integrator" and p.facets:find("stages/1", 1, true) then names[#names + 1] = p.name end
+  end
+  table.sort(names)
+  return names, order
+end
+
+local function take(o, changes)
+  local case = {}
+  for _, key in ipairs { "scene", "params", "parameters", "of", "at", "integrator", "dt", "seed", "trust", "backwards" } do
+    case[key] = o[key]
+  end
+  for key, value in pairs(changes) do case[key] = value end
+  return derivative.take(case)
+end
+
+-- The derivative and its errors, from a run, one whose differences are wider, and one of half the step.
+local function find(o)
+  local names, order = methods()
+  local found = take(o, { compare = true })
+  if found.failed then
+    return nil, found.failed .. (found.method and #names > 0 and ("; it has " .. table.concat(names, ", ")) or "")
+  end
+  local wider = take(o, { factor = 4, dt = o.dt or found.dt })
+  local finer = take(o, { dt = found.dt / 2 })
+  found.rounding, found.by_steps, found.unrefined = {}, {}, finer.failed
+  local gain = 2 ^ (order[o.plugin] or 1)
+  for j, slope in ipairs(found.slopes) do
+    found.rounding[j] = wider.slopes and math.abs(wider.slopes[j] - slope) or 0 / 0
+    found.by_steps[j] = finer.slopes and math.abs(finer.slopes[j] - slope) * gain / (gain - 1)
+  end
+  found.doubts = report.doubts(o, found)
+  return found
+end
+
+local function main()
+  local o, why = options()
+  if not o then return why and complain("%s", why) or 1 end
+  local fine
+  fine, why = ready(o)
+  if not fine then return complain("%s", why) end
+  local found
+  found, why = find(o)
+  if not found then return complain("%s", why) end
+  fine, why = report.write(o, found)
+  if not fine then
+    complain("%s", why)
+    return 4
+  end
+  return #found.doubts == 0 and 0 or 2
+end
+
+return main()

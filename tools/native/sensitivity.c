@@ -1,0 +1,316 @@
+/* sensitivity: the derivatives of a scene's measure by parameters, for `hooke gradient`. */
+#include "core/app/lua/lua.h"
+#include "core/numerics/sensitivity/sensitivity.h"
+
+#include <float.h>
+#include <lauxlib.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char type[] = "hooke.sensitivity";
+
+enum { MOST = 64 }; /* parameters */
+
+typedef struct record {
+  hk_sensitivity *steps;
+  hk_run *run, *more[MOST], *less[MOST];
+  hk_varied by[MOST];
+  hk_knots knots[MOST]; /* of those that are functions of time */
+  size_t count;         /* of parameters */
+  size_t measure;       /* which of the scene is asked for */
+  double *X;            /* 6n, a state as a run is shown it */
+  double *row;          /* rows x (2 + count): t, value, derivatives */
+  size_t rows, room;
+  hk_error error;
+} record;
+
+static record *record_at(lua_State *L) { return luaL_checkudata(L, 1, type); }
+
+static int close_record(lua_State *L) {
+  record *r = record_at(L);
+  for (size_t j = 0; j < r->count; j++) free(r->knots[j].slope);
+  hk_sensitivity_close(r->steps);
+  free(r->X);
+  free(r->row);
+  *r = (record){0};
+  return 0;
+}
+
+/* nil and a reason */
+static int refuse(lua_State *L, const hk_error *error) {
+  lua_pushnil(L);
+  lua_pushstring(L, error->text);
+  return 2;
+}
+
+/* record(run): keeps the steps of a run from here on; or nil and why they cannot be differentiated. */
+static int begin(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  record *r = lua_newuserdatauv(L, sizeof *r, 1);
+  *r = (record){.run = run};
+  luaL_setmetatable(L, type);
+  lua_createtable(L, 1, 0); /* runs, which live as long as the record */
+  lua_pushvalue(L, 1);
+  lua_rawseti(L, -2, 1);
+  lua_setiuservalue(L, -2, 1);
+  if (hk_sensitivity_open(&run->loop, &r->steps, &r->error) != HK_OK) return refuse(L, &r->error);
+  r->X = malloc((6 * r->steps->n + 1) * sizeof *r->X);
+  return r->X ? 1 : luaL_error(L, "no memory");
+}
+
+/* The run at the index, which is kept as long as the record. */
+static hk_run *keep_run(lua_State *L, int index) {
+  lua_pushvalue(L, index);
+  lua_insert(L, 1);
+  hk_run *run = hk_lua_run(L); /* reads argument 1 */
+  lua_getiuservalue(L, 2, 1);
+  lua_rotate(L, 1, -1);
+  lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+  lua_pop(L, 1);
+  return run;
+}
+
+static bool same_particles(const hk_run *a, const hk_run *b) {
+  size_t n = a->state.model.n;
+  return n == b->state.model.n && memcmp(a->state.id, b->state.id, n * sizeof *a->state.id) == 0;
+}
+
+/* The parameter that was added last is a function of time, from 0 to `end`. */
+static int give_knots(lua_State *L, record *r, size_t count, double end) {
+  size_t j = r->count - 1;
+  luaL_argcheck(L, count >= 2 && end > 0, 5, "two knots at least");
+  r->knots[j] = (hk_knots){count, 0, end, calloc(count, sizeof(double))};
+  if (!r->knots[j].slope) return luaL_error(L, "no memory");
+  r->by[j].knots = &r->knots[j];
+  const double *more = r->more[j]->state.X, *less = r->less[j]->state.X;
+  if (memcmp(more, less, 6 * r->steps->n * sizeof *more) == 0) {
+    lua_pushboolean(L, true);
+    return 1;
+  }
+  hk_error_set(&r->error, HK_FAILED, "it is a function of time, and the start depends on it");
+  return refuse(L, &r->error);
+}
+
+/* record:vary(more, less, by [, knots, end]): adds a parameter, by two runs of the scene at their start in which it is
+ * larger and smaller by `by`; a number, or a function of time with so many knots. nil and a reason where it changes
+ * what particles there are, or the order in which they are kept. */
+static int vary(lua_State *L) {
+  record *r = record_at(L);
+  double by = luaL_checknumber(L, 4), end = luaL_optnumber(L, 6, 0);
+  lua_Integer knots = luaL_optinteger(L, 5, 0);
+  hk_run *more = keep_run(L, 2), *less = keep_run(L, 3);
+  luaL_argcheck(L, r->count < MOST, 2, "too many parameters");
+  if (!same_particles(r->run, more) || !same_particles(r->run, less)) {
+    hk_error_set(&r->error, HK_FAILED, "it changes the number or the order of the particles");
+    return refuse(L, &r->error);
+  }
+  r->more[r->count] = more;
+  r->less[r->count] = less;
+  r->by[r->count++] = (hk_varied){&more->dynamics, &less->dynamics, by, NULL};
+  if (knots > 0) return give_knots(L, r, (size_t)knots, end);
+  lua_pushboolean(L, true);
+  return 1;
+}
+
+/* record:finish(): takes the steps again; true, or nil and why they are not those of the run. */
+static int finish(lua_State *L) {
+  record *r = record_at(L);
+  if (hk_sensitivity_finish(r->steps, &r->error) != HK_OK) return refuse(L, &r->error);
+  lua_pushboolean(L, true);
+  return 1;
+}
+
+/* record:about() -> steps, particles, a force without an exact Jacobian or nil, bytes of the states of an adjoint */
+static int about(lua_State *L) {
+  const hk_sensitivity *s = record_at(L)->steps;
+  lua_pushinteger(L, (lua_Integer)s->steps);
+  lua_pushinteger(L, (lua_Integer)s->n);
+  lua_pushstring(L, s->inexact);
+  lua_pushnumber(L, hk_sensitivity_bytes(s->n, s->steps));
+  return 4;
+}
+
+static void push_numbers(lua_State *L, const double *number, size_t count) {
+  lua_createtable(L, (int)count, 0);
+  for (size_t k = 0; k < count; k++) {
+    lua_pushnumber(L, number[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
+/* ---- the measure ---- */
+
+static size_t measure_named(lua_State *L, const record *r, int index) {
+  const char *name = luaL_checkstring(L, index);
+  const hk_scene *scene = r->run->scene;
+  for (size_t k = 0; k < scene->measures; k++)
+    if (strcmp(scene->measure[k].name, name) == 0) return k;
+  luaL_argerror(L, index, "no measure of the scene");
+  return 0;
+}
+
+/* What the measure is in a run, of its own script, that is shown another x and v for the time of the call. */
+static hk_status measure_at(record *r, hk_run *run, double t, double *X, double *value) {
+  hk_state *s = &run->state;
+  double *own = s->X, before = s->t;
+  double *shown = malloc(s->size * sizeof *shown);
+  if (!shown) return hk_error_set(&r->error, HK_NO_MEMORY, "no memory for a measure");
+  memcpy(shown, own, s->size * sizeof *shown);
+  memcpy(own, X, 6 * s->model.n * sizeof *X);
+  hk_step_set_time(&run->loop, t);
+  hk_status status = hk_figures_measure(&run->loop, &run->judgement, run);
+  *value = run->judgement.measure[r->measure];
+  memcpy(own, shown, s->size * sizeof *shown);
+  hk_step_set_time(&run->loop, before);
+  free(shown);
+  if (status != HK_OK) return hk_error_set(&r->error, status, "%s", run->error.text);
+  if (isfinite(*value)) return HK_OK;
+  return hk_error_set(&r->error, HK_FAILED, "the measure is not finite at t = %g s", t);
+}
+
+/* The state X and, to both sides, the part `part` of its change dX. */
+static double *moved(record *r, const double *X, const double *dX, double part) {
+  for (size_t e = 0; e < 6 * r->steps->n; e++) r->X[e] = X[e] + (dX ? part * dX[e] : 0);
+  return r->X;
+}
+
+/* d(measure)/dp where the state changes by dX/dp: of the state and of what the script makes of the parameter. */
+static hk_status differ(record *r, size_t j, double t, const double *X, const double *dX, double *slope) {
+  double more, less, by = r->by[j].by;
+  hk_status status = measure_at(r, r->more[j], t, moved(r, X, dX, by), &more);
+  if (status == HK_OK) status = measure_at(r, r->less[j], t, moved(r, X, dX, -by), &less);
+  if (status == HK_OK) *slope = (more - less) / (2 * by);
+  return status;
+}
+
+/* ---- forwards ---- */
+
+static bool is_frame(const record *r, double t) {
+  double frame = t * r->run->scene->fps;
+  return fabs(frame - round(frame)) < 1e-6 || t >= r->run->state.t;
+}
+
+static hk_status note_row(void *context, double t, const double *X, const double *tangents) {
+  record *r = context;
+  size_t width = 2 + r->count;
+  void *rows = r->row;
+  if (!is_frame(r, t)) return HK_OK;
+  if (hk_array_reserve(&rows, &r->room, r->rows + 1, width * sizeof *r->row) != 0)
+    return hk_error_set(&r->error, HK_NO_MEMORY, "no memory for the derivatives at frames");
+  r->row = rows;
+  double *row = r->row + r->rows * width;
+  row[0] = t;
+  hk_status status = measure_at(r, r->run, t, moved(r, X, NULL, 0), &row[1]);
+  for (size_t j = 0; j < r->count && status == HK_OK; j++)
+    status = differ(r, j, t, X, tangents + 9 * r->steps->n * j, &row[2 + j]);
+  r->rows += status == HK_OK;
+  return status;
+}
+
+/* record:tangents(measure) -> rows { t, value, derivative by each parameter } at the start, at frames and at the end;
+ * or nil and a reason. */
+static int tangents(lua_State *L) {
+  record *r = record_at(L);
+  size_t width = 2 + r->count;
+  r->measure = measure_named(L, r, 2);
+  r->rows = 0;
+  hk_error_clear(&r->error);
+  if (hk_sensitivity_tangents(r->steps, r->by, r->count, note_row, r, &r->error) != HK_OK) return refuse(L, &r->error);
+  lua_createtable(L, (int)r->rows, 0);
+  for (size_t k = 0; k < r->rows; k++) {
+    push_numbers(L, r->row + k * width, width);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  return 1;
+}
+
+/* ---- backwards ---- */
+
+/* The largest of the numbers, or of their distances from the first three. */
+static double size_of(const double *x, size_t count, bool places) {
+  double most = 0;
+  for (size_t e = 0; e < count; e++) most = fmax(most, fabs(x[e] - (places ? x[e % 3] : 0)));
+  return most > 0 ? most : 1;
+}
+
+/* d(measure)/d(x, v) at the end, by differences in each number. */
+static hk_status by_state(record *r, double *slope) {
+  const double *X = r->run->state.X, t = r->run->state.t;
+  size_t v = 3 * r->steps->n;
+  double by[2] = {pow(DBL_EPSILON, 1.0 / 3) * size_of(X, v, true),
+                  pow(DBL_EPSILON, 1.0 / 3) * size_of(X + v, v, false)};
+  hk_status status = HK_OK;
+  for (size_t e = 0; e < 2 * v && status == HK_OK; e++) {
+    double more, less = 0, step = by[e >= v];
+    moved(r, X, NULL, 0)[e] += step;
+    status = measure_at(r, r->run, t, r->X, &more);
+    moved(r, X, NULL, 0)[e] -= step;
+    if (status == HK_OK) status = measure_at(r, r->run, t, r->X, &less);
+    slope[e] = (more - less) / (2 * step);
+  }
+  return status;
+}
+
+/* record:adjoint(measure) -> a list of the derivatives at the end by each parameter, of a function of time the list of
+ * those by its values at the knots; or nil and a reason. */
+static int adjoint(lua_State *L) {
+  record *r = record_at(L);
+  double slope[MOST], direct;
+  r->measure = measure_named(L, r, 2);
+  hk_error_clear(&r->error);
+  double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);
+  hk_status status = by_state(r, X);
+  if (status == HK_OK) status = hk_sensitivity_adjoint(r->steps, X, r->by, r->count, slope, &r->error);
+  lua_createtable(L, (int)r->count, 0);
+  for (size_t j = 0; j < r->count && status == HK_OK; j++) {
+    status = differ(r, j, r->run->state.t, r->run->state.X, NULL, &direct);
+    if (status == HK_OK && r->by[j].knots && direct != 0)
+      status = hk_error_set(&r->error, HK_FAILED, "the measure itself depends on a function of time that is varied");
+    if (r->by[j].knots)
+      push_numbers(L, r->knots[j].slope, r->knots[j].count);
+    else
+      lua_pushnumber(L, slope[j] + direct);
+    lua_rawseti(L, -2, (lua_Integer)j + 1);
+  }
+  return status == HK_OK ? 1 : refuse(L, &r->error);
+}
+
+/* record:refusal(measure): why the measure at the end is none that can be differentiated, or nil. */
+static int refusal(lua_State *L) {
+  record *r = record_at(L);
+  hk_state *s = &r->run->state;
+  double value, shifted, again, work = s->X[s->size - 1], scale = 1 + fabs(work);
+  r->measure = measure_named(L, r, 2);
+  hk_status status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &value);
+  s->X[s->size - 1] += scale;
+  if (status == HK_OK) status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &shifted);
+  s->X[s->size - 1] = work;
+  if (status == HK_OK) status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &again);
+  if (status != HK_OK)
+    lua_pushstring(L, r->error.text);
+  else if (value != again)
+    lua_pushstring(L, "it remembers its calls: make it a function of the state alone");
+  else if (value != shifted)
+    lua_pushstring(L, "it depends on the work done on the scene, which is not differentiated");
+  else
+    lua_pushnil(L);
+  return 1;
+}
+
+__attribute__((visibility("default"))) int luaopen_sensitivity(lua_State *L);
+
+int luaopen_sensitivity(lua_State *L) {
+  static const luaL_Reg functions[] = {{"record", begin}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"vary", vary},       {"finish", finish},   {"about", about},
+                                     {"refusal", refusal}, {"adjoint", adjoint}, {"tangents", tangents},
+                                     {NULL, NULL}};
+  luaL_newmetatable(L, type);
+  lua_pushcfunction(L, close_record);
+  lua_setfield(L, -2, "__gc");
+  lua_newtable(L);
+  luaL_setfuncs(L, methods, 0);
+  lua_setfield(L, -2, "__index");
+  lua_pop(L, 1);
+  luaL_newlib(L, functions);
+  return 1;
+}
