@@ -62,8 +62,9 @@ static hk_status find(melt *m, const hk_view *view) {
   return HK_OK;
 }
 
-static hk_status add(void *self, const hk_view *view, double *F) {
-  (void)F;
+/* The channels do not change by it; this is called with every evaluation. */
+static hk_status rates(void *self, const hk_view *view, double *dy) {
+  (void)dy;
   return find(self, view);
 }
 
@@ -78,8 +79,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_CHANNELS | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN,
-    .add = add,
+    .add = hk_no_force,
     .energy = hk_no_energy,
+    .rates = rates,
     .facets = HK_FACETS(HK_NO_BLOCKS),
 };
 
