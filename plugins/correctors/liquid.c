@@ -9,6 +9,8 @@
  * bodies that are held, move the liquid, and the liquid does not move them, nor cloth; walls thinner than two cells
  * leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the energy balance of
  * such a run is not either. */
+#include "plugins/common/channels/find_published.h"
+#include "plugins/common/liquid/cell_viscosity.h"
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/liquid_viscosity.h"
@@ -38,6 +40,8 @@ typedef struct liquid {
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
   hk_liquid_viscosity viscous;
+  const char *viscosity_of;
+  const double *const *viscosities; /* n, Pa s, published by the plugin of that label; NULL: it is one number */
   hk_tension surface;
   hk_array second; /* m^2/s, as `guess`, of the projection after viscosity */
   const hk_host *host;
@@ -66,6 +70,9 @@ static const hk_param params[] = {
      .choice = HK_AT(liquid, transfer), .choices = HK_LIQUID_TRANSFERS},
     {"viscosity", "Pa s", "of the liquid: water 0.001, oil 0.1, honey 10", .number = HK_AT(liquid, viscosity),
      .limits = HK_AT_LEAST(0)},
+    {"viscosity_of", "",
+     "in place of one viscosity the label of a plugin that publishes one of each particle, as melt does",
+     .string = HK_AT(liquid, viscosity_of)},
     {"tension", "N/m", "of its surface: water 0.072; bends of less than two cells are not seen",
      .number = HK_AT(liquid, tension), .limits = HK_AT_LEAST(0)},
     {"walls", "", "with a viscosity, whether walls and obstacles hold the liquid back", .choice = HK_AT(liquid, walls),
@@ -103,6 +110,8 @@ static const hk_field fields[] = {
     {0},
 };
 
+static bool is_viscous(const liquid *s) { return s->viscosity > 0 || s->viscosities; }
+
 static hk_status choose(liquid *s, const hk_view *view) {
   s->host->release(s->host, s->index);
   s->host->release(s->host, s->came);
@@ -110,6 +119,19 @@ static hk_status choose(liquid *s, const hk_view *view) {
   s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
   if (!s->index || !s->came) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   return hk_carried_find(s->host, view, &s->particles, NULL, s->index, &s->count);
+}
+
+/* Those that differ from particle to particle, where they do. */
+static hk_status find_viscosities(liquid *s, const hk_view *view) {
+  if (!s->viscosity_of) return HK_OK;
+  if (s->viscosity > 0)
+    return s->host->fail(s->host, HK_BAD_PARAM,
+                         "viscosity: there are two, %g Pa s and those of '%s': leave out `viscosity` or "
+                         "`viscosity_of`",
+                         s->viscosity, s->viscosity_of);
+  s->viscous.cell = s->host->allocate(s->host, s->method.grid.size * sizeof *s->viscous.cell);
+  if (!s->viscous.cell) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the viscosity of cells");
+  return hk_find_published(s->host, view->model, s->viscosity_of, "local_viscosity", "viscosity_of", &s->viscosities);
 }
 
 /* m: of cubes or squares with the mean volume of a particle twice the side. */
@@ -195,7 +217,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
-  if (status == HK_OK && s->viscosity > 0) status = host->resize(host, &s->second, m->grid.size);
+  if (status == HK_OK) status = find_viscosities(s, view);
+  if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
   if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
   if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);
   if (status != HK_OK) return status;
@@ -302,8 +325,9 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_find_surface(m);
   status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
   if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
-  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_shear(m, &s->viscous, c->h);
-  if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
+  if (s->viscosities) hk_cell_viscosity(m, &p, *s->viscosities, s->viscous.cell);
+  if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, c->h);
+  if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);

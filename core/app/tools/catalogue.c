@@ -71,6 +71,13 @@ static void set_facets(lua_State *L, const hk_plugin *plugin) {
   lua_setfield(L, -2, "facets");
 }
 
+/* Whether it says something of each particle to others. */
+static bool publishes(const hk_plugin *plugin) {
+  for (const hk_field *f = plugin->fields; f && f->name; f++)
+    if (f->flags & HK_PUBLISHED) return true;
+  return false;
+}
+
 static void push_plugin(lua_State *L, const hk_loaded *item) {
   const hk_plugin *plugin = item->plugin;
   lua_newtable(L);
@@ -82,6 +89,8 @@ static void push_plugin(lua_State *L, const hk_loaded *item) {
   if (plugin->kind == HK_FORCE) set_force(L, plugin);
   if (plugin->kind == HK_INTEGRATOR) set_method(L, plugin->integrator);
   set_facets(L, plugin);
+  lua_pushboolean(L, publishes(plugin));
+  lua_setfield(L, -2, "publishes");
   lua_newtable(L);
   lua_Integer count = 0;
   for (const hk_param *p = plugin->params; p && p->name; p++) {

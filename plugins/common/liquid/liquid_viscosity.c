@@ -1,5 +1,6 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
 #include "plugins/common/liquid/liquid_viscosity.h"
+#include "plugins/common/liquid/cell_viscosity.h"
 #include "plugins/common/liquid/viscous_strain.h"
 
 #include <string.h>
@@ -8,6 +9,18 @@ enum { GRAIN = 1024 };
 
 typedef void (*strain_visitor)(void *context, const hk_strain *e);
 
+/* Pa s, of the strain along an axis in cell i; of that between axes a and b at its lowest corner of both. */
+static double viscosity_in(const hk_liquid_viscosity *v, size_t i) {
+  return v->cell && v->cell[i] > 0 ? v->cell[i] : v->viscosity;
+}
+
+static double viscosity_about(const hk_liquid_grid *g, const hk_liquid_viscosity *v, size_t i, int a, int b) {
+  if (!v->cell) return v->viscosity;
+  size_t s = g->stride[a], t = g->stride[b];
+  double mean = hk_viscosity_between(v->cell, (const size_t[]){i, i - s, i - t, i - s - t}, 4);
+  return mean > 0 ? mean : v->viscosity;
+}
+
 /* All strains that the face of component a at i is part of: those of the cells on both of its sides, and of the edges
  * about it. */
 static void visit_strains(const hk_liquid *l, const hk_liquid_viscosity *v, int a, size_t i, strain_visitor each,
@@ -15,12 +28,16 @@ static void visit_strains(const hk_liquid *l, const hk_liquid_viscosity *v, int 
   const hk_liquid_grid *g = &l->grid;
   hk_strain e;
   for (int k = 0; k < 2; k++) {
-    hk_strain_along(l, k ? i - g->stride[a] : i, a, &e);
+    size_t cell = k ? i - g->stride[a] : i;
+    hk_strain_along(l, cell, a, &e);
+    e.weight *= viscosity_in(v, cell);
     each(to, &e);
   }
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 2 && b != a && !g->flat[b]; k++) {
-      hk_strain_between(l, k ? i + g->stride[b] : i, a < b ? a : b, a < b ? b : a, v->slip, &e);
+      size_t corner = k ? i + g->stride[b] : i;
+      hk_strain_between(l, corner, a < b ? a : b, a < b ? b : a, v->slip, &e);
+      e.weight *= viscosity_about(g, v, corner, a, b);
       each(to, &e);
     }
 }
@@ -76,7 +93,7 @@ typedef struct equation {
   const hk_liquid_viscosity *v;
   size_t face;
   int axis, count;
-  double factor; /* h nu, m^2 */
+  double factor; /* h/density, s m^3/kg: by the viscosity an area, m^2 */
   double b;
   uint32_t column[HK_VISCOUS_ROW];
   double value[HK_VISCOUS_ROW];
@@ -174,7 +191,7 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   hk_status status = rows ? make_room(v, host, rows) : HK_OK;
   if (status != HK_OK || rows == 0) return status;
   number_faces(l, v, true);
-  task t = {l, v, h * v->viscosity / l->density};
+  task t = {l, v, h / l->density};
   host->parallel_for(host, rows, GRAIN, fill_rows, &t);
   hk_matrix A = close_up(v, rows);
   memset(v->x, 0, rows * sizeof *v->x);
@@ -184,7 +201,7 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
 }
 
 void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
-  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x, v->cell};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);

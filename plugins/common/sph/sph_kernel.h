@@ -15,6 +15,8 @@ typedef struct hk_sph_kernel {
   double radius, radius2, inverse; /* R, m; m^2; 1/m */
   double amplitude;                /* 1/m^3, W(0) */
   double steepness;                /* 20 amplitude / R^2, 1/m^5, -W'/r at 0 */
+  double second;                   /* sum of (-W'/r) r^2 V / d over the lattice, about 1: with it differences between
+                                      pairs become a Laplacian */
   double fourth;                   /* m^2: sum of (-W'/r) r^4 V / (d (d + 2)) over the lattice, about R^2/9: the mean of
                                       (-W'/r) x^2 y^2, with which forces between pairs become a Laplacian */
 } hk_sph_kernel;

@@ -215,12 +215,105 @@ static void momentum_is_kept_at_any_viscosity(void **state) {
   close_fixture(f);
 }
 
+/* ---- a viscosity that differs from cell to cell ---- */
+
+static void set_cells(fixture *f, double (*mu)(const double x[3])) {
+  hk_liquid_grid *g = &f->l.grid;
+  f->v.cell = f->l.host->allocate(f->l.host, g->size * sizeof *f->v.cell);
+  assert_non_null(f->v.cell);
+  for (size_t i = 0; i < g->size; i++) {
+    double x[3];
+    place(g, i, 3, x);
+    f->v.cell[i] = mu(x);
+  }
+}
+
+static const double decay = 3; /* 1/m */
+static double thinner_above(const double x[3]) { return 100 * exp(-decay * x[2]); }
+/* From 1e-3 to 1e3 Pa s, in one cell. */
+static double half_solid(const double x[3]) { return x[0] < 1 ? 1e3 : 1e-3; }
+static double liquid_all(const double x[3]) { return x[0] < INFINITY ? 1e-3 : 0; }
+
+/* m/s, the largest error in the middle of a channel in which mu = mu0 exp(-b z), and whose upper plate goes with 1 m/s:
+ * the stress mu du/dz is the same everywhere, so u = (exp(b z) - 1)/(exp(b) - 1). One step of 1e6 s is steady. */
+static double layered_error(size_t cells) {
+  double most = 0;
+  fixture *f = open_fixture(6, 1, 1 / (double)cells);
+  hk_liquid_grid *g = &f->l.grid;
+  fill(f, 0);
+  set_cells(f, thinner_above);
+  drive(f, true, 1);
+  f->v.tolerance = 1e-10;
+  shear(f, 1, 1e6);
+  for (size_t i = 0; i < g->size; i++) {
+    double x[3];
+    place(g, i, 0, x);
+    if (!(g->open[0][i] > 0) || fabs(x[0] - 3) > 1e-9) continue;
+    most = fmax(most, fabs(g->u[0][i] - (exp(decay * x[2]) - 1) / (exp(decay) - 1)));
+  }
+  close_fixture(f);
+  return most;
+}
+
+/* Of order 2, as the plain one: (b h)^2/8 is 4.4e-3 with 16 cells. */
+static void a_layered_flow_has_its_profile(void **state) {
+  (void)state;
+  double coarse = layered_error(8), fine = layered_error(16), order = log(coarse / fine) / log(2);
+  if (!(order > 1.75 && fine < 0.005)) fail_msg("order %.3f: %.3g, then %.3g", order, coarse, fine);
+}
+
+static int iterations(double (*mu)(const double x[3]), double h) {
+  fixture *f = open_fixture(2, 2, 1 / 16.0);
+  fill(f, 0.6);
+  set(f, noise);
+  set_cells(f, mu);
+  f->v.tolerance = 1e-8;
+  shear(f, 1, h);
+  int count = f->v.gradients.loop.iterations;
+  close_fixture(f);
+  return count;
+}
+
+static double solid_all(const double x[3]) { return x[0] < INFINITY ? 1e3 : 0; }
+
+/* Half a drop that is a million times as viscous as the other half takes no more than three times the iterations of one
+ * that is as viscous everywhere. */
+static void contrast_costs_few_iterations(void **state) {
+  (void)state;
+  for (double h = 0.01; h <= 10; h *= 1000) {
+    int plain = iterations(solid_all, h), half = iterations(half_solid, h), thin = iterations(liquid_all, h);
+    print_message("h = %g s: iterations %d all solid, %d half, %d all liquid\n", h, plain, half, thin);
+    assert_true(half <= 3 * plain && thin <= plain);
+  }
+}
+
+/* A drop that is half solid turns as a whole, too. */
+static void a_drop_that_is_half_solid_keeps_turning(void **state) {
+  (void)state;
+  fixture *f = open_fixture(2, 2, 1 / 16.0);
+  hk_liquid_grid *g = &f->l.grid;
+  fill(f, 0.6);
+  set(f, turning);
+  set_cells(f, half_solid);
+  shear(f, 1, 1);
+  for (int a = 0; a < 3; a += 2)
+    for (size_t i = 0; i < g->size; i++) {
+      double x[3];
+      place(g, i, a, x);
+      if (g->open[a][i] > 0 && fabs(g->u[a][i] - turning(a, x)) > 1e-9) fail_msg("%g", g->u[a][i] - turning(a, x));
+    }
+  close_fixture(f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_vortex_decays_at_its_rate),
       cmocka_unit_test(flow_between_plates_starts_as_the_series_say),
       cmocka_unit_test(what_turns_as_a_whole_keeps_turning),
       cmocka_unit_test(momentum_is_kept_at_any_viscosity),
+      cmocka_unit_test(a_layered_flow_has_its_profile),
+      cmocka_unit_test(contrast_costs_few_iterations),
+      cmocka_unit_test(a_drop_that_is_half_solid_keeps_turning),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

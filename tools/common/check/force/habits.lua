@@ -169,7 +169,7 @@ local function says_the_same_twice(plugin, lines)
   end)
   if told then return end
   lines:add(true, "the same twice, with and without its power")
-  if force == 0 and rates == 0 then
+  if force == 0 and rates == 0 and not plugin.publishes then
     return lines:wrong("its force is zero at every state of every scene: nothing is checked",
       "give parameters by name=value, or a scene in which it acts by --scene FILE", false)
   end

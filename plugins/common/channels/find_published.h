@@ -1,0 +1,25 @@
+/* Finding what another plugin of the scene publishes of each particle. */
+#ifndef HK_CHANNELS_FIND_PUBLISHED_H
+#define HK_CHANNELS_FIND_PUBLISHED_H
+
+#include "core/plugin.h"
+
+#include <string.h>
+
+/* *found: the numbers, one for each particle, that the plugin with the label publishes by the name `field`, for the
+ * parameter `wanted_by`; valid as long as the run. */
+static inline hk_status hk_find_published(const hk_host *host, const hk_model *model, const char *label,
+                                          const char *field, const char *wanted_by, const double *const **found) {
+  for (size_t k = 0; k < model->publications; k++) {
+    const hk_publication *p = &model->published[k];
+    if (strcmp(p->label, label) != 0 || strcmp(p->name, field) != 0 || p->width != 1) continue;
+    *found = p->values;
+    return HK_OK;
+  }
+  return host->fail(host, HK_BAD_PARAM,
+                    "%s: nothing with the label '%s' publishes a %s of each particle; the force melt does, and has its "
+                    "name as its label where it is given none",
+                    wanted_by, label, field);
+}
+
+#endif

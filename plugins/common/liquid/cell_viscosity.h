@@ -1,0 +1,21 @@
+/* The viscosity of a liquid's cells where it differs from particle to particle. */
+#ifndef HK_CELL_VISCOSITY_H
+#define HK_CELL_VISCOSITY_H
+
+#include "plugins/common/liquid/liquid.h"
+
+/* cell: size, Pa s, of each cell the geometric mean of its particles' viscosities, and of one without particles that of
+ * its neighbours with some; 0: it has none either. viscosity: of the scene's particles, Pa s, above 0; others do not
+ * count. After hk_liquid_sort. */
+void hk_cell_viscosity(const hk_liquid *, const hk_liquid_particles *, const double *viscosity, double *cell);
+
+/* The harmonic mean of those above 0, by which a shear across layers of the cells has its stress; 0: there are none. */
+static inline double hk_viscosity_between(const double *cell, const size_t *at, int cells) {
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < cells; k++)
+    if (cell[at[k]] > 0) sum += 1 / cell[at[k]], count++;
+  return count ? count / sum : 0;
+}
+
+#endif
