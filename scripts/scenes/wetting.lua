@@ -1,5 +1,5 @@
 -- wetting.lua: three plane drops without gravity, squares at first, become caps on plates that they wet, half wet and do not:
--- the surface tension of the force `tension`, with the angles of contact of the plates. Measured are the angles of the caps.
+-- the surface tension of the force `surface_tension`, with the angles of contact of the plates. Measured are the angles of the caps.
 local n = param("n", 8, "particles on the side of a drop", { min = 4 })
 local sigma = param("tension", 0.07, "N/m", { min = 0 })
 local seconds = param("seconds", 0.25, "to simulate", { min = 0.01 })
@@ -27,7 +27,7 @@ for k, angle in ipairs { 45, 90, 135 } do
   local plate = fill("plate", { middle - 3 * n // 2, -5 }, { middle + 3 * n // 2, 0 }) -- five layers, as thick as cohesion reaches
   scene:pin(plate)
   scene:pin(drop, { normal = { 0, 1, 0 } })
-  scene:force("tension", common { tension = sigma, angle = angle, particles = drop, walls = plate })
+  scene:force("surface_tension", common { tension = sigma, angle = angle, particles = drop, walls = plate })
   -- Of a cap of height h and width w on the plate tan(angle/2) = 2 h/w.
   scene:measure(("angle%d"):format(angle), function(s)
     local low, high, top = math.huge, -math.huge, 0

@@ -11,7 +11,7 @@ enum { SIDE = 10, N = SIDE * SIDE * SIDE };
 static const double dx = 0.1, rho0 = 1000, sigma = 0.7; /* m, kg/m^3, N/m */
 
 static hk_plugin_spec *tension(test_engine *e, int dimensions, double angle) {
-  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "tension");
+  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "surface_tension");
   test_number(e, spec, "tension", sigma);
   test_number(e, spec, "angle", angle);
   test_number(e, spec, "spacing", dx);

@@ -14,30 +14,30 @@
 #include "plugins/common/sph/sph_pairs.h"
 #include "plugins/kit/vector3.h"
 
-typedef struct tension {
+typedef struct surface_tension {
   hk_sph common;
   double tension, angle;
   double adhesion; /* s of liquid and wall */
   hk_sph_cohesion cohesion;
   hk_sph_pairs pairs;
-} tension;
+} surface_tension;
 
 static const hk_param params[] = {
-    {"tension", "N/m", "surface tension; of water 0.072", .number = HK_AT(tension, tension), .limits = HK_AT_LEAST(0),
-     .flags = HK_REQUIRED},
-    {"angle", "deg", "of contact with walls: 0: they are wetted, 180: they repel", .number = HK_AT(tension, angle),
-     .initial = {90}, .limits = HK_WITHIN(0, 180)},
-    HK_SPH_PARAMS(tension, common),
+    {"tension", "N/m", "surface tension; of water 0.072", .number = HK_AT(surface_tension, tension),
+     .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"angle", "deg", "of contact with walls: 0: they are wetted, 180: they repel",
+     .number = HK_AT(surface_tension, angle), .initial = {90}, .limits = HK_WITHIN(0, 180)},
+    HK_SPH_PARAMS(surface_tension, common),
     {0},
 };
 
 static const hk_field fields[] = {
-    HK_SPH_FIELDS(tension, common),
+    HK_SPH_FIELDS(surface_tension, common),
     {0},
 };
 
 typedef struct task {
-  tension *self;
+  surface_tension *self;
   const hk_view *view;
   hk_neighbour_rows rows;
   const hk_periodic_box *box;
@@ -45,13 +45,13 @@ typedef struct task {
   double (*block)[6];
 } task;
 
-static hk_status begin(task *t, tension *p, const hk_view *view) {
+static hk_status begin(task *t, surface_tension *p, const hk_view *view) {
   *t = (task){.self = p, .view = view, .box = view->model->box};
   return hk_sph_begin(&p->common, view, &t->rows);
 }
 
 /* m^6: s V_i V_j, of a pair */
-HK_INLINE double strength(const tension *p, size_t i, size_t j) {
+HK_INLINE double strength(const surface_tension *p, size_t i, size_t j) {
   int walls = (p->common.role[i] == HK_SPH_WALL) + (p->common.role[j] == HK_SPH_WALL);
   double by = walls == 0 ? 1 : walls == 1 ? p->adhesion : 0;
   return by * hk_sph_volume(&p->common, i) * hk_sph_volume(&p->common, j);
@@ -60,7 +60,7 @@ HK_INLINE double strength(const tension *p, size_t i, size_t j) {
 /* ---- force and energy ---- */
 
 static void add_row(const task *t, size_t i) {
-  const tension *p = t->self;
+  const surface_tension *p = t->self;
   double sum[3] = {0};
   hk_sph_near near;
   for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
@@ -94,7 +94,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 /* Half of each pair at each end. */
 static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
-  const tension *p = t->self;
+  const surface_tension *p = t->self;
   double sum = 0;
   hk_sph_near near;
   for (size_t m = first; m < end; m++) {
@@ -120,12 +120,12 @@ static double energy(void *self, const hk_view *view) {
 static bool attract(const void *self, size_t i, size_t j) { return strength(self, i, j) > 0; }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *into) {
-  tension *p = self;
+  surface_tension *p = self;
   hk_sph_pairs_name(&p->pairs, &p->common, view, attract, p, into);
 }
 
 /* N/m: of a pair's energy, or with `definite` its part above 0, of which there is none where the pair pushes. */
-static void hessian(const tension *p, double by, const double d[3], double r2, bool definite, double H[9]) {
+static void hessian(const surface_tension *p, double by, const double d[3], double r2, bool definite, double H[9]) {
   double along = by * hk_sph_cohesion_curvature(&p->cohesion, r2),
          across = -by * hk_sph_cohesion_slope(&p->cohesion, r2);
   if (definite) along = fmax(0, along), across = fmax(0, across);
@@ -133,7 +133,7 @@ static void hessian(const tension *p, double by, const double d[3], double r2, b
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  tension *p = self;
+  surface_tension *p = self;
   const size_t *slot = into->slot;
   if (p->pairs.failed != HK_OK) return p->pairs.failed;
   for (size_t k = 0; k < p->pairs.count; k++, slot += 4) {
@@ -179,20 +179,20 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
 }
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
-  tension *p = self;
+  surface_tension *p = self;
   return hk_sph_pairs_update(&p->common, p->pairs.number, from, x_to, pattern_changed);
 }
 
 /* ---- the plugin ---- */
 
 static hk_status topology(void *self, const hk_view *view) {
-  tension *p = self;
+  surface_tension *p = self;
   p->pairs.number = 0;
   return hk_sph_topology(&p->common, view);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  tension *p = self;
+  surface_tension *p = self;
   const double degree = 3.14159265358979323846 / 180;
   p->adhesion = (1 + cos(p->angle * degree)) / 2;
   hk_sph_cohesion_prepare(&p->cohesion, p->common.spacing, p->common.reach, (int)p->common.dimensions, p->tension);
@@ -213,11 +213,11 @@ static const hk_force force = {
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
-    .name = "tension",
+    .name = "surface_tension",
     .summary = "surface tension of a liquid by particles, from an energy of cohesion between neighbours",
     .reference = "Tartakovsky and Panchenko 2016, Pairwise force smoothed particle hydrodynamics model, section 3; "
                  "Fowler 1937, A tentative statistical theory of Macleod's equation for surface tension",
-    .instance_size = sizeof(tension),
+    .instance_size = sizeof(surface_tension),
     .params = params,
     .fields = fields,
     .create = create,
