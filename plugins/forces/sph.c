@@ -15,9 +15,10 @@
  * The stable step follows from c and the kernel: of the waves that a lattice carries the fastest has w = 2.0 to 2.3 c/R
  * for kernels of 2 to 4 spacings, in a plane and in space (R its radius, lattice sums of grad W sin(k d) over all
  * k); 2.7 leaves room for disorder. Where particles are crowded far beyond their density, the sum of all pairs bounds
- * it. */
+ * it. Implicit methods get the exact stiffness (sph_hessian.h). */
 #include "plugins/common/sph/sph_fluid.h"
-#include "plugins/common/sph/sph_sums.h"
+#include "plugins/common/sph/sph_hessian.h"
+#include "plugins/common/sph/sph_pairs.h"
 
 static const double fastest_wave = 2.7; /* c/R */
 static const double crowded = 1.1;      /* by the density at rest: beyond, bounds are those of pairs */
@@ -31,6 +32,8 @@ typedef struct sph {
   bool cavitates;
   double *density; /* n, kg/m^3, of what presses; 0: others */
   double *slope;   /* n, m_i e'_i, J m^3/kg */
+  double *bend;    /* n, m_i e''_i, J m^6/kg^2 */
+  hk_sph_ring ring;
   int64_t said;
 } sph;
 
@@ -49,6 +52,7 @@ static const hk_field fields[] = {
     HK_SPH_FIELDS(sph, common),
     {"local_density", .per_particle = HK_AT(sph, density), .width = 1, .flags = HK_PUBLISHED},
     {"slope", .per_particle = HK_AT(sph, slope), .width = 1, .flags = HK_SCRATCH},
+    {"bend", .per_particle = HK_AT(sph, bend), .width = 1, .flags = HK_SCRATCH},
     {"said", .integer = HK_AT(sph, said)},
     {0},
 };
@@ -150,67 +154,42 @@ static double energy(void *self, const hk_view *view) {
   return hk_sph_total(&t.self->common, view);
 }
 
+/* ---- implicit methods ---- */
+
+/* m_i e''_i by the densities that were found; 0: it does not press. */
+static const double *find_bends(sph *s, const hk_view *view) {
+  memset(s->bend, 0, view->n * sizeof *s->bend);
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = hk_sph_acting(view, k);
+    double rho0 = s->common.density, compression = s->density[i] / rho0;
+    if (!hk_sph_presses(&s->common, i) || gives_way(s, compression)) continue;
+    s->bend[i] =
+        s->common.point[i][3] * s->c * s->c / (rho0 * rho0) * hk_sph_energy_curvature((hk_sph_law)s->law, compression);
+  }
+  return s->bend;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *into) {
+  sph *s = self;
+  hk_sph_ring_name(&s->ring, &s->common, view, into);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  sph *s = self;
+  task t;
+  hk_status status = begin(&t, s, view);
+  if (status != HK_OK) return status;
+  find_all(&t);
+  const hk_sph_bends bends = {s->slope, find_bends(s, view), into->want & HK_WANT_DEFINITE};
+  return hk_sph_ring_add(&s->ring, &t.near, &bends, view, into);
+}
+
 /* ---- the step ---- */
 
 static double largest_compression(const sph *s, const hk_view *view) {
   double most = 0;
   for (size_t k = 0; k < view->acting; k++) most = fmax(most, s->density[hk_sph_acting(view, k)]);
   return most / s->common.density;
-}
-
-/* K = sum_i m_i e''_i g_i g_i^T + m_i e'_i K_i, with g_i = d rho_i/dx and K_i = d2 rho_i/dx2. By Cauchy and Schwarz
- * (g_i.u)^2 <= G_i sum_j w_j |W'| (n.(u_i - u_j))^2, G_i = sum_j w_j |W'|, and (n.(u_i - u_j))^2 is at most twice
- * (n.u_i)^2 + (n.u_j)^2; K_i is of pairs already. This is what a pair of i has, once for each end. */
-typedef struct pair_bound {
-  double along, across;
-} pair_bound;
-
-static double steepness_around(const task *t, size_t i, hk_sph_near *near) {
-  const hk_sph *s = &t->self->common;
-  double sum = 0;
-  for (size_t at = t->near.rows.row_start[i], end = t->near.rows.row_start[i + 1]; at < end;) {
-    hk_sph_gather(s, t->near.box, t->near.rows.other, end, i, &at, near);
-    for (size_t k = 0; k < near->count; k++)
-      sum += near->mass[k] * hk_sph_slope(&s->kernel, near->r2[k]) * sqrt(near->r2[k]);
-  }
-  return sum;
-}
-
-static pair_bound bound_pair(const sph *s, double mass, double rho, double steep, double other, double r2) {
-  double rho0 = s->common.density, compression = rho / rho0, unit = mass * s->c * s->c / rho0;
-  if (gives_way(s, compression)) return (pair_bound){0};
-  double bend = unit / rho0 * hk_sph_energy_curvature((hk_sph_law)s->law, compression);
-  double slope = unit * hk_sph_energy_slope((hk_sph_law)s->law, compression);
-  double fall = hk_sph_slope(&s->common.kernel, r2);
-  return (pair_bound){2 * other *
-                          (bend * steep * fall * sqrt(r2) + fmax(0, slope * hk_sph_curvature(&s->common.kernel, r2))),
-                      2 * other * fmax(0, -slope * fall)};
-}
-
-static void add_pair(double *block, const pair_bound *b, const hk_sph_near *near, size_t k) {
-  double inverse = near->r2[k] > 0 ? 1 / near->r2[k] : 0;
-  for (int a = 0, at = 0; a < 3; a++)
-    for (int c = a; c < 3; c++, at++)
-      block[at] += b->across * (a == c) + (b->along - b->across) * near->d[a][k] * near->d[c][k] * inverse;
-}
-
-/* Serial: it adds to the blocks of both ends. */
-static void bound_pairs(const task *t) {
-  const sph *s = t->self;
-  hk_sph_near near;
-  for (size_t m = 0; m < t->view->acting; m++) {
-    size_t i = hk_sph_acting(t->view, m);
-    if (!hk_sph_presses(&s->common, i)) continue;
-    double steep = steepness_around(t, i, &near);
-    for (size_t at = t->near.rows.row_start[i], end = t->near.rows.row_start[i + 1]; at < end;) {
-      hk_sph_gather(&s->common, t->near.box, t->near.rows.other, end, i, &at, &near);
-      for (size_t k = 0; k < near.count; k++) {
-        pair_bound b = bound_pair(s, s->common.point[i][3], s->density[i], steep, near.mass[k], near.r2[k]);
-        add_pair(t->block[i], &b, &near, k);
-        add_pair(t->block[near.other[k]], &b, &near, k);
-      }
-    }
-  }
 }
 
 static void bound_waves(const task *t, double compression) {
@@ -236,7 +215,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   if (compression < crowded)
     bound_waves(&t, compression);
   else
-    bound_pairs(&t);
+    hk_sph_bound_pairs(&t.near, &(hk_sph_bends){t.self->slope, find_bends(t.self, view), false}, view, block);
 }
 
 static double longest_step(void *self, const hk_view *view) {
@@ -266,11 +245,16 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 /* ---- the plugin ---- */
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
-  (void)x_to, (void)pattern_changed;
-  return hk_sph_update(&((sph *)self)->common, from);
+  sph *s = self;
+  if (s->ring.number == 0) return hk_sph_update(&s->common, from);
+  return hk_sph_pairs_update(&s->common, s->ring.number, from, x_to, pattern_changed);
 }
 
-static hk_status topology(void *self, const hk_view *view) { return hk_sph_topology(&((sph *)self)->common, view); }
+static hk_status topology(void *self, const hk_view *view) {
+  sph *s = self;
+  s->ring.number = 0;
+  return hk_sph_topology(&s->common, view);
+}
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return hk_sph_open(&((sph *)self)->common, host, view);
@@ -278,10 +262,12 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_STIFFENS | HK_PERIODIC,
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_STIFFENS | HK_PERIODIC |
+             HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
-    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
                         HK_STEPS_FACET(.update = update, .accepted = accepted)),
 };
 

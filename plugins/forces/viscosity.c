@@ -10,19 +10,15 @@
  *
  * The blocks f d d^T are definite; that they change with the positions is left out where a method wants them symmetric.
  * Methods with an implicit part (imex) take the liquid's pressure explicitly and this implicitly. */
-#include "plugins/common/sph/sph_particles.h"
-#include "plugins/common/space/reserve.h"
+#include "plugins/common/sph/sph_pairs.h"
 #include "plugins/kit/vector3.h"
 
 typedef struct viscosity {
   hk_sph common;
   double mu;
   bool slip;
-  double factor;       /* 2 mu / M, N s/m / (m^2 m^6 1/m^5) */
-  uint32_t (*pair)[2]; /* those whose blocks were named, i < j */
-  size_t pairs, room;
-  uint64_t number;  /* of the rows that they are from; 0: none */
-  hk_status failed; /* of the last pattern */
+  double factor; /* 2 mu / M, N s/m / (m^2 m^6 1/m^5) */
+  hk_sph_pairs pairs;
 } viscosity;
 
 static const hk_param params[] = {
@@ -53,7 +49,6 @@ static hk_status begin(task *t, viscosity *p, const hk_view *view) {
   return hk_sph_begin(&p->common, view, &t->rows);
 }
 
-HK_INLINE double volume_of(const viscosity *p, size_t i) { return p->common.point[i][3] / p->common.density; }
 /* Two walls do not, and none where the liquid slides along them. */
 HK_INLINE bool rub(const viscosity *p, size_t i, size_t j) {
   bool is_wall = p->common.role[i] == HK_SPH_WALL, other_is = p->common.role[j] == HK_SPH_WALL;
@@ -63,7 +58,7 @@ HK_INLINE bool rub(const viscosity *p, size_t i, size_t j) {
 /* f, N s/m^3 */
 static double weight(const viscosity *p, size_t i, size_t j, double r2) {
   if (!rub(p, i, j)) return 0;
-  return p->factor * volume_of(p, i) * volume_of(p, j) * hk_sph_slope(&p->common.kernel, r2);
+  return p->factor * hk_sph_volume(&p->common, i) * hk_sph_volume(&p->common, j) * hk_sph_slope(&p->common.kernel, r2);
 }
 
 /* ---- the force ---- */
@@ -108,40 +103,11 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 
 /* ---- implicit methods ---- */
 
-/* Lists the pairs of the rows, which reach further than the kernel; `into` NULL: counts them. */
-static size_t list_pairs(const task *t, uint32_t (*into)[2]) {
-  const viscosity *p = t->self;
-  size_t count = 0;
-  for (size_t i = 0; i < t->rows.n; i++)
-    for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
-      uint32_t j = t->rows.other[e];
-      if (j < i || !(volume_of(p, i) > 0 && volume_of(p, j) > 0) || !rub(p, i, j)) continue;
-      if (into) into[count][0] = (uint32_t)i, into[count][1] = j;
-      count++;
-    }
-  return count;
-}
+static bool pair_rubs(const void *self, size_t i, size_t j) { return rub(self, i, j); }
 
-/* Blocks are named for all pairs that can come within the kernel before the rows are found again. */
 static void pattern(void *self, const hk_view *view, hk_pattern *into) {
   viscosity *p = self;
-  task t;
-  p->number = 0;
-  p->pairs = 0;
-  p->failed = begin(&t, p, view);
-  if (p->failed == HK_OK)
-    p->failed = hk_reserve(p->common.host, &p->pair, &p->room, list_pairs(&t, NULL), sizeof *p->pair);
-  if (p->failed != HK_OK) return;
-  p->pairs = list_pairs(&t, p->pair);
-  p->number = t.rows.number;
-  for (size_t k = 0; k < p->pairs; k++)
-    for (int e = 0; e < 4; e++) into->block(into, p->pair[k][e / 2], p->pair[k][e % 2]);
-}
-
-static double square_between(const hk_view *view, const uint32_t pair[2], double d[3]) {
-  hk_subtract(d, view->x + 3 * (size_t)pair[0], view->x + 3 * (size_t)pair[1]);
-  if (view->model->box) hk_nearest_image(view->model->box, d);
-  return hk_dot(d, d);
+  hk_sph_pairs_name(&p->pairs, &p->common, view, pair_rubs, p, into);
 }
 
 /* -dF_i/dd: F_i = -f (u.d) d, f' / r = -factor V V W'''... by the kernel's slope, -60 amplitude/R^2 (1 - t)^2 / (R r).
@@ -153,25 +119,19 @@ static void add_turn(const viscosity *p, double f, double r2, const double d[3],
     for (int b = 0; b < 3; b++) K[3 * a + b] += fall * speed * d[a] * d[b] + f * (d[a] * u[b] + speed * (a == b));
 }
 
-static void add_block(double *to, const double B[9], double sign) {
-  for (int q = 0; q < 9; q++) to[q] += sign * B[q];
-}
-
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   viscosity *p = self;
   const size_t *slot = into->slot;
-  if (p->failed != HK_OK) return p->failed;
-  for (size_t k = 0; k < p->pairs; k++, slot += 4) {
-    size_t i = p->pair[k][0], j = p->pair[k][1];
-    double d[3], u[3], K[9] = {0}, D[9], r2 = square_between(view, p->pair[k], d), f = weight(p, i, j, r2);
+  if (p->pairs.failed != HK_OK) return p->pairs.failed;
+  for (size_t k = 0; k < p->pairs.count; k++, slot += 4) {
+    size_t i = p->pairs.pair[k][0], j = p->pairs.pair[k][1];
+    double d[3], u[3], K[9] = {0}, D[9], r2 = hk_sph_between(view, i, j, d), f = weight(p, i, j, r2);
     if (!(f > 0)) continue;
     hk_subtract(u, view->v + 3 * i, view->v + 3 * j);
     for (int q = 0; q < 9; q++) D[q] = f * d[q / 3] * d[q % 3];
     if (!(into->want & HK_WANT_SYMMETRIC)) add_turn(p, f, r2, d, u, K);
-    for (int e = 0; e < 4; e++) {
-      add_block(into->D + 9 * slot[e], D, e == 0 || e == 3 ? 1 : -1);
-      add_block(into->K + 9 * slot[e], K, e == 0 || e == 3 ? 1 : -1);
-    }
+    hk_sph_pair_add(into->D, slot, D);
+    hk_sph_pair_add(into->K, slot, K);
   }
   return HK_OK;
 }
@@ -208,18 +168,14 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
   viscosity *p = self;
-  hk_neighbour_rows rows;
-  hk_status status = hk_sph_update(&p->common, from);
-  if (status == HK_OK) status = p->common.service->rows(p->common.service->self, from, x_to, &rows);
-  *pattern_changed = status == HK_OK && rows.number != p->number;
-  return status;
+  return hk_sph_pairs_update(&p->common, p->pairs.number, from, x_to, pattern_changed);
 }
 
 /* ---- the plugin ---- */
 
 static hk_status topology(void *self, const hk_view *view) {
   viscosity *p = self;
-  p->number = 0;
+  p->pairs.number = 0;
   return hk_sph_topology(&p->common, view);
 }
 

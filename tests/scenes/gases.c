@@ -32,7 +32,8 @@ static void a_plume_passes_a_ball(void **state) {
   (void)state;
   test_scene(&r, "plume", "cell=0.1 --until 2");
   assert_true(test_json(r.out, "height") > 0.55);
-  assert_true(test_json(r.out, "divergence_left") < 1e-6 && test_json(r.out, "divergence_left") > 0); /* its tolerance */
+  assert_true(test_json(r.out, "divergence_left") < 1e-6 &&
+              test_json(r.out, "divergence_left") > 0); /* its tolerance */
   assert_true(test_json(r.out, "courant") > 0.01 && test_json(r.out, "courant") <= 2);
   test_scene(&r, "plume", "cell=0.1 warm=0 --until 0.5");
   assert_true(test_json(r.out, "height") < 0.25);

@@ -30,9 +30,22 @@ static void a_dam_of_particles_breaks_as_in_the_experiment(void **state) {
   }
 }
 
+/* Of 36 particles each, whose layers are an eighth of a drop and more: to 15 degrees of 45, 90 and 135. */
+static void drops_have_the_angles_of_their_plates(void **state) {
+  (void)state;
+  test_scene(&r, "wetting", "n=6 seconds=0.15 --no-check");
+  for (int k = 1; k <= 3; k++) {
+    char name[16];
+    snprintf(name, sizeof name, "angle%d", 45 * k);
+    double angle = test_json(r.out, name);
+    if (!(fabs(angle - 45 * k) < 15)) fail_msg("%s: %.1f degrees", name, angle);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_dam_of_particles_breaks_as_in_the_experiment),
+      cmocka_unit_test(drops_have_the_angles_of_their_plates),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

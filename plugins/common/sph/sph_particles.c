@@ -79,8 +79,7 @@ hk_status hk_sph_open(hk_sph *s, const hk_host *host, const hk_view *view) {
 
 /* ---- walls ---- */
 
-static double square_between(const hk_view *view, size_t i, size_t j) {
-  double d[3];
+double hk_sph_between(const hk_view *view, size_t i, size_t j, double d[3]) {
   for (size_t c = 0; c < 3; c++) d[c] = view->x[3 * i + c] - view->x[3 * j + c];
   if (view->model->box) hk_nearest_image(view->model->box, d);
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -90,8 +89,8 @@ static double square_between(const hk_view *view, size_t i, size_t j) {
 static hk_status check_place(const hk_sph *s, const hk_view *view, size_t i, size_t j) {
   if (s->role[j] == HK_SPH_NONE || (s->role[i] == HK_SPH_WALL && s->role[j] == HK_SPH_WALL)) return HK_OK;
   if (view->is_active && !(view->is_active[i] && view->is_active[j])) return HK_OK;
-  double least = 1e-6 * s->spacing;
-  if (square_between(view, i, j) > least * least) return HK_OK;
+  double d[3], least = 1e-6 * s->spacing;
+  if (hk_sph_between(view, i, j, d) > least * least) return HK_OK;
   return s->host->fail(s->host, HK_FAILED,
                        "particles %u and %u are in the same place at t = %g s, where pressure has no direction: put "
                        "them about %.3g m apart",
@@ -99,11 +98,11 @@ static hk_status check_place(const hk_sph *s, const hk_view *view, size_t i, siz
 }
 
 static double wall_volume(const hk_sph *s, const hk_view *view, const hk_neighbour_rows *rows, size_t i) {
-  double sum = s->kernel.amplitude;
+  double d[3], sum = s->kernel.amplitude;
   if (!isnan(s->wall_volume)) return s->wall_volume;
   for (size_t e = rows->row_start[i]; e < rows->row_start[i + 1]; e++)
     if (s->role[rows->other[e]] == HK_SPH_WALL)
-      sum += hk_sph_value(&s->kernel, square_between(view, i, rows->other[e]));
+      sum += hk_sph_value(&s->kernel, hk_sph_between(view, i, rows->other[e], d));
   return 1 / sum;
 }
 

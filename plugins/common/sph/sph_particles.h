@@ -62,6 +62,8 @@ hk_status hk_sph_topology(hk_sph *, const hk_view *view); /* HK_NO_MEMORY */
 hk_status hk_sph_update(hk_sph *, const hk_view *view);
 /* Before sums: the rows, and `point` of all particles. */
 hk_status hk_sph_begin(hk_sph *, const hk_view *view, hk_neighbour_rows *rows);
+/* d = x_i - x_j, m, to the nearest image; returns its square. */
+double hk_sph_between(const hk_view *view, size_t i, size_t j, double d[3]);
 double hk_sph_total(const hk_sph *, const hk_view *view); /* of `sums`, in their order */
 
 /* Whether a particle has the energy of the liquid: one of it has, and one of a wall that is laid like it, which presses
@@ -69,6 +71,9 @@ double hk_sph_total(const hk_sph *, const hk_view *view); /* of `sums`, in their
 HK_INLINE bool hk_sph_presses(const hk_sph *s, size_t i) {
   return s->role[i] == HK_SPH_LIQUID || (s->role[i] == HK_SPH_WALL && s->wall_volume > 0);
 }
+
+/* m^3, at rest, of what counts; after hk_sph_begin. */
+HK_INLINE double hk_sph_volume(const hk_sph *s, size_t i) { return s->point[i][3] / s->density; }
 
 HK_INLINE size_t hk_sph_acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 

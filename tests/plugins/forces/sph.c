@@ -131,6 +131,53 @@ static void force_and_energy_belong_together(void **state) {
   }
 }
 
+/* Neighbours of neighbours act on each other: 4 particles in a row of which each reaches the next two. Of what presses
+ * and of what pulls, with walls, and in a box that repeats. */
+static void blocks_are_the_stiffness(void **state) {
+  (void)state;
+  for (int variant = 0; variant < 4; variant++) {
+    test_engine e;
+    hk_instance *force;
+    test_engine_open(&e);
+    fill(&e, 3, 0.4, variant % 2);
+    for (int i = 0; i < 4; i++) test_particle(&e, dx * (3 + 1.3 * i), 0.1 * dx, 0, rho0 * dx * dx * dx);
+    if (variant > 1) repeat(&e, 7 * dx);
+    hk_plugin_spec *spec = liquid(&e, variant % 2 ? "quadratic" : "tait", variant > 1);
+    if (variant == 1) test_number(&e, spec, "wall_volume", dx * dx * dx);
+    hk_view view = view_of(&e, spec, &force);
+    double off = force_stiffness_error(force, &view);
+    if (!(off < FORCE_DIFFERENCES)) fail_msg("variant %d: blocks off by %g", variant, off);
+    test_engine_close(&e);
+  }
+}
+
+/* A wave in a plane at ten times the step that leapfrog could take: the implicit midpoint rule keeps its energy, which
+ * is nearly quadratic for moves of a thousandth of the spacing, to the tolerance of its iterations. */
+static void implicit_methods_step_over_sound(void **state) {
+  (void)state;
+  enum { LONG = 16, WIDE = 6 };
+  const double low[3] = {0}, high[3] = {LONG * dx, WIDE * dx, 1};
+  hk_summary s;
+  test_engine e;
+  test_engine_open(&e);
+  for (int i = 0; i < LONG * WIDE; i++) {
+    double x = dx * (i % LONG) + 1e-3 * dx * sin(2 * acos(-1) / LONG * (i % LONG));
+    test_particle(&e, x, dx * (i / LONG), 0, rho0 * dx * dx * dx);
+  }
+  assert_int_equal(hk_scene_set_box(e.scene, low, high, "xy", &e.error), HK_OK);
+  test_number(&e, liquid(&e, "quadratic", false), "dimensions", 2);
+  e.options.integrator = "implicit_midpoint";
+  e.options.dt = 10 * 2 * kernel * dx / (2.1 * c);
+  e.scene->fps = 1 / e.options.dt;
+  e.scene->duration = 8 * e.options.dt;
+  test_run(&e);
+  test_advance(&e, e.scene->duration);
+  hk_run_summary(e.run, &s);
+  if (!(s.steps == 8 && s.energy_first > 0 && fabs(s.energy_last / s.energy_first - 1) < 1e-4))
+    fail_msg("%g J become %g in %g steps", s.energy_first, s.energy_last, (double)s.steps);
+  test_engine_close(&e);
+}
+
 static void threads_leave_no_trace(void **state) {
   (void)state;
   enum { SIDE = 8, N = SIDE * SIDE * SIDE };
@@ -277,6 +324,8 @@ int main(void) {
       cmocka_unit_test(energy_and_force_by_hand),
       cmocka_unit_test(a_liquid_on_its_lattice_is_at_rest),
       cmocka_unit_test(force_and_energy_belong_together),
+      cmocka_unit_test(blocks_are_the_stiffness),
+      cmocka_unit_test(implicit_methods_step_over_sound),
       cmocka_unit_test(threads_leave_no_trace),
       cmocka_unit_test(waves_have_the_frequency_of_the_lattice_sum),
       cmocka_unit_test(one_layer_of_walls_holds_what_falls),

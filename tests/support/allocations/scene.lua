@@ -29,6 +29,7 @@ function parts.winds(scene)
   scene:force("pull", { particles = { 1 }, k = 1 })
   scene:force("sph", { c = 0.1, spacing = 0.5, density = 8 })
   scene:force("viscosity", { mu = 0.1, spacing = 0.5, density = 8 })
+  scene:force("surface_tension", { tension = 1e-3, spacing = 0.5, density = 8 })
 end
 
 function parts.grains(scene)
