@@ -46,8 +46,8 @@ static const char block[] =
     "  return last - (first or 0) end)\n"
     "return scene\n";
 
-/* Its draft is 0.2 m: 2 % of it with 16 cells across the tank, 3 of which are between block and wall, and 1 % with 32.
- */
+/* Its draft is 0.2 m: 2 % of it with 16 cells across the tank, 3 of which are between block and wall, and 0.1 %
+ * with 32. Particles that are all at random in their places made it 0.6 %. */
 static void a_block_floats_as_deep_as_its_density_says(void **state) {
   (void)state;
   run("block.lua", block, "");
@@ -56,16 +56,20 @@ static void a_block_floats_as_deep_as_its_density_says(void **state) {
   run("block.lua", block, "cell=0.03125 --until 0.6");
   double fine = test_json(r.out, "mean");
   if (!(fabs(coarse) < 4e-3)) fail_msg("16 cells: %.5f m off", coarse);
-  if (!(fabs(fine) < 2e-3)) fail_msg("32 cells: %.5f m off", fine);
+  if (!(fabs(fine) < 2e-4)) fail_msg("32 cells: %.6f m off", fine);
 }
 
 /* Potential theory with the block and the surface, linear, in this tank: w = 5.463 1/s, from finite volumes of 1/80 and
- * 1/160 m, extrapolated; the block's motion is that mode alone. Without the water's mass it would be 11. 4 %. */
+ * 1/160 m, extrapolated; the block's motion is that mode alone. Without the water's mass it would be 11. A block that
+ * starts too high has a gap below it, and one too low water inside it, so halves of a period differ by 6 % from theory
+ * either way; their mean is found to 0.4 %. */
 static void a_block_heaves_as_in_potential_theory(void **state) {
   (void)state;
   run("block.lua", block, "off=0.02 cell=0.03125 --until 0.95");
-  double half = test_json(r.out, "half");
-  if (!(fabs(half / (3.14159265 / 5.463) - 1) < 0.04)) fail_msg("%.4f s", half);
+  double half = test_json(r.out, "half") / 2;
+  run("block.lua", block, "off=-0.02 cell=0.03125 --until 0.95");
+  half += test_json(r.out, "half") / 2;
+  if (!(fabs(half / (3.14159265 / 5.463) - 1) < 0.01)) fail_msg("%.4f s", half);
 }
 
 /* A ball of 0.2 m in the middle of a full cube of 1 m of water, open above. */
