@@ -66,8 +66,8 @@ static int reduce(const basis *b, double E1, double E2, double A[SIZE][SIZE]) {
 
 /* Rotates the axes p and q so that A_pq vanishes; A becomes R A R^T, and the rows of V the new axes. */
 static inline void rotate(int size, double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int q) {
-  double h = (A[q][q] - A[p][p]) / (2 * A[p][q]);
-  double t = (h < 0 ? -1 : 1) / (fabs(h) + sqrt(1 + h * h)), c = 1 / sqrt(1 + t * t), s = t * c;
+  double d = A[q][q] - A[p][p], twice = 2 * A[p][q], root = sqrt(d * d + twice * twice);
+  double t = twice / (d < 0 ? d - root : d + root), c = 1 / sqrt(1 + t * t), s = t * c;
   double change = t * A[p][q];
   A[p][p] -= change, A[q][q] += change, A[p][q] = A[q][p] = 0;
   for (int k = 0; k < size; k++) {
@@ -79,27 +79,37 @@ static inline void rotate(int size, double A[SIZE][SIZE], double V[SIZE][SIZE], 
   }
 }
 
-/* Until what is off the diagonal is rounding. Cyclic sweeps converge quadratically: five are usual, and more than ten
- * are not known. */
-static void diagonalize(int size, double A[SIZE][SIZE], double V[SIZE][SIZE]) {
-  for (int k = 0; k < SIZE * SIZE; k++) V[k / SIZE][k % SIZE] = k / SIZE == k % SIZE;
-  for (int sweep = 0; sweep < 20; sweep++) {
-    double off = 0, all = 0;
-    for (int p = 0; p < size; p++) {
-      all += A[p][p] * A[p][p];
-      for (int q = p + 1; q < size; q++) off += A[p][q] * A[p][q];
-    }
-    if (!(off > 1e-32 * all)) return;
-    for (int p = 0; p < size; p++)
-      for (int q = p + 1; q < size; q++)
-        if (A[p][q] != 0) rotate(size, A, V, p, q);
-  }
+/* The axes of a rotation in the order of a sweep. A weight and the direction that it goes with, c_k and t_k, are
+ * strongly bound to each other and hardly to w, whose eigenvalue is that of the distance: they come first. Two sweeps
+ * mostly do, where those by rows take three. */
+typedef unsigned char axes[2];
+static const axes order_of_3[] = {{1, 2}, {0, 1}, {0, 2}},
+                  order_of_5[] = {{1, 3}, {2, 4}, {1, 4}, {2, 3}, {1, 2}, {3, 4}, {0, 1}, {0, 2}, {0, 3}, {0, 4}};
+
+static double squares_above_diagonal(int size, double A[SIZE][SIZE]) {
+  double sum = 0;
+  for (int p = 0; p < size; p++)
+    for (int q = p + 1; q < size; q++) sum += A[p][q] * A[p][q];
+  return sum;
+}
+
+/* Until what is off the diagonal is rounding; sweeps converge quadratically, and more than ten are not known. What is
+ * rounding by itself is left as it is. */
+static inline void diagonalize(int size, const axes *order, double A[SIZE][SIZE], double V[SIZE][SIZE]) {
+  double all = 2 * squares_above_diagonal(size, A);
+  for (int p = 0; p < size; p++) all += A[p][p] * A[p][p];
+  double least = 1e-17 * sqrt(all);
+  for (int sweep = 0; sweep < 20 && squares_above_diagonal(size, A) > 1e-32 * all; sweep++)
+    for (int k = 0; k < size * (size - 1) / 2; k++)
+      if (fabs(A[order[k][0]][order[k][1]]) > least) rotate(size, A, V, order[k][0], order[k][1]);
 }
 
 /* A without its negative eigenvalues. */
 static void project(int size, double A[SIZE][SIZE]) {
   double V[SIZE][SIZE], P[SIZE][SIZE] = {{0}};
-  diagonalize(size, A, V);
+  for (int k = 0; k < SIZE * SIZE; k++) V[k / SIZE][k % SIZE] = k / SIZE == k % SIZE;
+  if (size == 3) diagonalize(3, order_of_3, A, V);
+  if (size == 5) diagonalize(5, order_of_5, A, V);
   for (int e = 0; e < size; e++)
     for (int p = 0; p < size && A[e][e] > 0; p++)
       for (int q = 0; q < size; q++) P[p][q] += A[e][e] * V[e][p] * V[e][q];
