@@ -100,7 +100,7 @@ refused("swing.lua --of y --by k", "the scene has no measure 'y'; ")
 refused("swing.lua --of x --by k --at 2", "--at: 2 s is after the scene's duration, 1.5 s")
 refused("swing.lua --of x --by k=0", "k = 0 is at its bound, where a derivative is one-sided")
 refused("swing.lua --of calls --by k", "the measure 'calls': it remembers its calls")
-refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; it has euler, leapfrog")
+refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; there are euler, leapfrog")
 
 write("more.lua", [[
 local count = param("count", 2.5, "of particles")
