@@ -20,6 +20,7 @@ local function parser()
   p:option("--way", "forwards, backwards, or auto: backwards for more than eight parameters"):default("auto")
     :choices { "auto", "forwards", "backwards" }
   p:option("--integrator", "in place of the scene's")
+  p:option("--without", "the label of a plugin that is left out"):count("*")
   p:option("--dt", "s, the longest step"):convert(command_line.positive("--dt"))
   p:option("--seed", "of the scene's chance"):convert(command_line.whole("--seed"))
   p:option("--out", "where the results go (out/gradient/SCENE)")
@@ -55,7 +56,8 @@ end
 
 -- Fills in what the scene says; or nil and what is wrong.
 local function ready(o)
-  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator })
+  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator,
+    without = o.without })
   if not explained then return nil, why end
   local fine
   fine, why = parameters.complete(o.parameters, explained, o.params)
@@ -65,7 +67,7 @@ local function ready(o)
   end
   o.at = o.at or explained.duration
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
-    seed = o.seed, ["until"] = 0 }
+    seed = o.seed, without = o.without, ["until"] = 0 }
   if not start.measures then return nil, start.failed end
   fine, why = check_measure(o, start.measures)
   if not fine then return nil, why end
@@ -88,7 +90,8 @@ end
 
 local function take(o, changes)
   local case = {}
-  for _, key in ipairs { "scene", "params", "parameters", "of", "at", "integrator", "dt", "seed", "trust", "backwards" } do
+  for _, key in ipairs { "scene", "params", "parameters", "of", "at", "integrator", "dt", "seed", "trust", "backwards",
+    "without" } do
     case[key] = o[key]
   end
   for key, value in pairs(changes) do case[key] = value end
@@ -100,7 +103,8 @@ local function find(o)
   local names, order = methods()
   local found = take(o, { compare = true })
   if found.failed then
-    return nil, found.failed .. (found.method and #names > 0 and ("; it has " .. table.concat(names, ", ")) or "")
+    local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ") or ""
+    return nil, found.failed .. other
   end
   local wider = take(o, { factor = 4, dt = o.dt or found.dt })
   local finer = take(o, { dt = found.dt / 2 })

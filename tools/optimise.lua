@@ -33,6 +33,7 @@ local function parser()
   p:option("--accuracy", "how far the independent method may miss a goal, relative"):default("1e-3")
     :convert(command_line.positive("--accuracy"))
   p:option("--integrator", "in place of the scene's")
+  p:option("--without", "the label of a plugin that is left out"):count("*")
   p:option("--dt", "s, the longest step"):convert(command_line.positive("--dt"))
   p:option("--out", "where the results go (out/optimise/SCENE)")
   p:flag("--trust", "the scene may use plugins beside it")
@@ -122,7 +123,8 @@ local function options()
 end
 
 local function ready(o)
-  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator })
+  local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator,
+    without = o.without })
   if not explained then return nil, why end
   o.controls, why = controls_of(o, explained)
   if not o.controls then return nil, why end
@@ -131,7 +133,7 @@ local function ready(o)
   end
   o.at = o.at or explained.duration
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
-    ["until"] = 0 }
+    without = o.without, ["until"] = 0 }
   if not start.measures then return nil, start.failed end
   o.plugin = start.integrator
   local fine
@@ -161,7 +163,7 @@ end
 
 local function evaluate(o, u, changes)
   local case = { parameters = with_values(o.controls, u) }
-  for _, key in ipairs { "scene", "params", "goals", "at", "integrator", "dt", "tol", "trust" } do case[key] = o[key] end
+  for _, key in ipairs { "scene", "params", "goals", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
   for key, value in pairs(changes) do case[key] = value end
   return evaluation.take(case)
 end

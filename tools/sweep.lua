@@ -11,6 +11,7 @@ local process = require("process")
 local progress = require("common.run.progress")
 local rows = require("common.sweep.table")
 local slurm = require("common.sweep.slurm")
+local spread = require("common.sweep.spread")
 local store = require("common.sweep.store")
 local case_process = require("common.run.case_process")
 
@@ -190,7 +191,13 @@ local function report(the, results, given)
   results:find(the.cases)
   results:read(the.cases)
   local code = 0
+  local spreads = spread.list(the)
   if not the.quiet then rows.show(the) end
+  if not the.quiet then spread.show(spreads) end
+  if #spreads > 0 then
+    local fine, why = spread.write(spreads, the.base .. "-spread.csv")
+    if not fine then database.fail("sweep: %s", why) end
+  end
   if given["--csv"] then
     local fine, why = rows.write_csv(the, given["--csv"])
     if not fine then database.fail("sweep: %s", why) end

@@ -1,7 +1,8 @@
--- ranges: the values that a parameter takes in a sweep. linear and log give plain lists; random and latin describe
+-- ranges: the values that a parameter takes in a sweep. linear and log give plain lists; random, latin and normal describe
 -- samples, which `draw` makes from a seed and the parameter's name: every parameter has a random stream of its own
 -- (splitmix64), so its values do not change when another parameter is added. Latin hypercube: each of n equal strata of
--- the range contains one value, in shuffled order (McKay, Beckman and Conover, Technometrics 21, 1979).
+-- the range contains one value, in shuffled order (McKay, Beckman and Conover, Technometrics 21, 1979). Of `normal` the range
+-- is one standard deviation to each side of the mean (Box and Muller, Ann. Math. Stat. 29, 1958).
 local ranges = {}
 
 local most = 1000000
@@ -63,6 +64,12 @@ function ranges.latin(from, to, count, scale)
   return { sample = "latin", from = from, to = to, count = count, scale = scale or "linear" }
 end
 
+-- Normally distributed: two thirds of the values lie between from and to; scale "log": their logarithms are.
+function ranges.normal(from, to, count, scale)
+  check("normal", from, to, count, scale)
+  return { sample = "normal", from = from, to = to, count = count, scale = scale or "linear" }
+end
+
 local function round(x)
   return math.tointeger(math.floor(x + 0.5)) or x
 end
@@ -105,12 +112,15 @@ local function shuffled(count, uniform)
   return list
 end
 
--- The values of a sample (random, latin).
+-- A number from -infinity to infinity, of mean 0 and variance 1.
+local function normal(uniform) return math.sqrt(-2 * math.log(1 - uniform())) * math.cos(2 * math.pi * uniform()) end
+
+-- The values of a sample (random, latin, normal).
 function ranges.draw(sample, seed, name)
   local uniform, list = stream(seed, name), { scale = sample.scale }
   local order = sample.sample == "latin" and shuffled(sample.count, uniform)
   for k = 1, sample.count do
-    local u = uniform()
+    local u = sample.sample == "normal" and (1 + normal(uniform)) / 2 or uniform()
     if order then u = (order[k] - 1 + u) / sample.count end
     list[k] = between(sample.from, sample.to, u, sample.scale)
     if sample.whole then list[k] = round(list[k]) end
@@ -120,7 +130,7 @@ end
 
 -- ---- as text: "1,2,5", "1e2..1e6:log:9", "0..1:latin:50", "16..128:log:4:whole" ----
 
-local kinds = { linear = "linear", lin = "linear", log = "log", random = "random", latin = "latin" }
+local kinds = { linear = "linear", lin = "linear", log = "log", random = "random", latin = "latin", normal = "normal" }
 
 local function word_of(text, word, given)
   if kinds[word] == "log" then given.scale = "log"
@@ -129,7 +139,7 @@ local function word_of(text, word, given)
   elseif word == "whole" then given.whole = true
   elseif word:match("^%d+$") then given.count = math.tointeger(tonumber(word))
   else
-    error(("'%s': '%s' is neither linear, log, random, latin, whole nor a number of values"):format(text, word), 0)
+    error(("'%s': '%s' is neither linear, log, random, latin, normal, whole nor a number of values"):format(text, word), 0)
   end
 end
 

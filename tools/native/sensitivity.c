@@ -2,7 +2,6 @@
 #include "core/app/lua/lua.h"
 #include "core/numerics/sensitivity/sensitivity.h"
 
-#include <float.h>
 #include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,11 +111,12 @@ static int vary(lua_State *L) {
   return 1;
 }
 
-/* record:finish(): takes the steps again; true, or nil and why they are not those of the run. */
+/* record:finish(): takes the steps again; by which part of its size the scene then ends elsewhere, or nil and why these
+ * are not the steps of the run. */
 static int finish(lua_State *L) {
   record *r = record_at(L);
   if (hk_sensitivity_finish(r->steps, &r->error) != HK_OK) return refuse(L, &r->error);
-  lua_pushboolean(L, true);
+  lua_pushnumber(L, r->steps->off);
   return 1;
 }
 
@@ -226,6 +226,8 @@ static int tangents(lua_State *L) {
 
 /* ---- backwards ---- */
 
+static const double part = 6e-6; /* eps^(1/3), of the scene's size, over which differences by x and v are taken */
+
 /* The largest of the numbers, or of their distances from the first three. */
 static double size_of(const double *x, size_t count, bool places) {
   double most = 0;
@@ -233,19 +235,28 @@ static double size_of(const double *x, size_t count, bool places) {
   return most > 0 ? most : 1;
 }
 
+/* What the measure is where one number of the run's own state is another one for the time of the call. */
+static hk_status measure_beside(record *r, size_t e, double by, double *value) {
+  double *number = &r->run->state.X[e], before = *number;
+  *number += by;
+  hk_status status = hk_figures_measure(&r->run->loop, &r->run->judgement, r->run);
+  *number = before;
+  *value = r->run->judgement.measure[r->measure];
+  if (status != HK_OK) return hk_error_set(&r->error, status, "%s", r->run->error.text);
+  if (isfinite(*value)) return HK_OK;
+  return hk_error_set(&r->error, HK_FAILED, "the measure is not finite beside the end of the run");
+}
+
 /* d(measure)/d(x, v) at the end, by differences in each number. */
 static hk_status by_state(record *r, double *slope) {
-  const double *X = r->run->state.X, t = r->run->state.t;
+  const double *X = r->run->state.X;
   size_t v = 3 * r->steps->n;
-  double by[2] = {pow(DBL_EPSILON, 1.0 / 3) * size_of(X, v, true),
-                  pow(DBL_EPSILON, 1.0 / 3) * size_of(X + v, v, false)};
+  double by[2] = {part * size_of(X, v, true), part * size_of(X + v, v, false)};
   hk_status status = HK_OK;
   for (size_t e = 0; e < 2 * v && status == HK_OK; e++) {
     double more, less = 0, step = by[e >= v];
-    moved(r, X, NULL, 0)[e] += step;
-    status = measure_at(r, r->run, t, r->X, &more);
-    moved(r, X, NULL, 0)[e] -= step;
-    if (status == HK_OK) status = measure_at(r, r->run, t, r->X, &less);
+    status = measure_beside(r, e, step, &more);
+    if (status == HK_OK) status = measure_beside(r, e, -step, &less);
     slope[e] = (more - less) / (2 * step);
   }
   return status;
@@ -255,7 +266,7 @@ static hk_status by_state(record *r, double *slope) {
  * those by its values at the knots; or nil and a reason. */
 static int adjoint(lua_State *L) {
   record *r = record_at(L);
-  double slope[MOST], direct;
+  double slope[MOST], direct = 0;
   r->measure = measure_named(L, r, 2);
   hk_error_clear(&r->error);
   double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);

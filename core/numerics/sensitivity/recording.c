@@ -194,13 +194,13 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
-  double off = status == HK_OK ? off_by(Z, s->loop->state->X, s->n) : 0;
+  if (status == HK_OK) s->off = off_by(Z, s->loop->state->X, s->n);
   free(Z);
-  if (!(off > tolerance)) return status;
+  if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,
                       "the steps, taken again, end elsewhere, by %.2g of the scene's size: its motion makes rounding "
                       "that large, or something acts beside the forces; shorten the run (--at)",
-                      off);
+                      s->off);
 }
 
 void hk_sensitivity_close(hk_sensitivity *s) {

@@ -63,6 +63,7 @@ typedef struct hk_sensitivity {
   bool *exact;         /* one per force: its Jacobian is that of the force */
   bool all_exact;      /* others are differentiated by differences, which have no transpose */
   const char *inexact; /* label of one that is not */
+  double off;          /* by which part of its size the scene ends elsewhere where the steps are taken again */
   hk_stage_point point[HK_MOST_STAGES];
   double *scratch; /* 15n, of products and differences; behind it the points */
 } hk_sensitivity;

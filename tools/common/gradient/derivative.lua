@@ -36,7 +36,7 @@ end
 
 local function options_of(case)
   return { integrator = case.integrator, dt = case.dt or nil, tol = case.tol, seed = case.seed, trust = case.trust, threads = 1,
-    output = false,
+    output = false, without = case.without,
     ["until"] = case.at }
 end
 
@@ -112,7 +112,7 @@ local function execute(case)
   local scene, run = derivative.open(case, 0, 0)
   if not scene then return { failed = run, fits = false } end
   local record, why = sensitivity.record(run)
-  if not record then return { failed = why, method = true } end
+  if not record then return { failed = why } end
   local both
   both, why = derivative.vary(case, record)
   if not both then return { failed = why } end

@@ -40,7 +40,7 @@ local options = {
 
 function command.help()
   print("hooke sweep SWEEP.lua [options]\nhooke sweep SCENE.lua name=values ... [options]\n")
-  print("values: 16,32,64   1e2..1e6:log:9   0..1:linear:5   0..1:random:50   1..1e4:latin:log:50   16..64:log:5:whole")
+  print("values: 16,32,64   1e2..1e6:log:9   0..1:linear:5   0..1:random:50   9..11:normal:50   1..1e4:latin:log:50   16..64:log:5:whole")
   print()
   for _, o in ipairs(options) do print(("  %-13s %-9s %s"):format(o[1], o[2] or "", o[3])) end
 end

@@ -94,7 +94,7 @@ end
 
 -- ---- runs ----
 
--- A run of the scene at its start, or nil and why the plugin does not take it. options: threads, tol, dt.
+-- A run of the scene at its start, and the scene; or nil and why the plugin does not take it. options: threads, tol, dt.
 function scenes.open(plugin, fill, options)
   options = options or {}
   local scene = hooke.scene { duration = 100, dt = not plugin.adaptive and (options.dt or 1 / 240) or nil,
@@ -109,7 +109,7 @@ function scenes.open(plugin, fill, options)
   local run
   fine, run = pcall(scene.run, scene, { to = 0 })
   if not fine then return nil, tostring(run):find("%S") and tostring(run) or "it fails and does not say why" end
-  return run
+  return run, scene
 end
 
 -- The X at time T after `steps` equal steps, or as many as an adaptive method takes; nil and why.

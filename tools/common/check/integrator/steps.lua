@@ -2,6 +2,7 @@
 -- steps takes none that is too long and does not stay at one that is too short.
 local method = require("method")
 local scenes = require("common.check.integrator.scenes")
+local sensitivity = require("sensitivity")
 
 local steps = {}
 
@@ -121,7 +122,25 @@ local function tiles_as_it_steps(plugin, lines)
   end
 end
 
+-- What the facet states of the stages, taken again over steps whose length changes on the way: rounding is left.
+local function stages_are_its_step(plugin, lines)
+  if not plugin.facets:find("stages/1", 1, true) then return end
+  lines:at("the scene 'damped', 0.1013 s in steps of %.3g s and a shorter one", H)
+  local run, scene = scenes.open(plugin, scenes.damped)
+  if not run then return end
+  local record, why = sensitivity.record(run)
+  if not record then return lines:wrong(why, "see core/plugin/facets/stages.h") end
+  scene:run { to = 0.1 }
+  scene:run { to = 0.1013 }
+  local off, reason = record:finish()
+  if not off or off > 1e-12 then
+    lines:wrong(off and ("steps by the facet stages differ from those of `step` by %.2g"):format(off) or reason,
+      "x_kj is A A and X is b A for a method of Runge and Kutta; `carries` is for an acceleration that the next step begins with")
+  end
+end
+
 steps.list = {
+  { "its stages are its step", stages_are_its_step },
   { "steps at once are its steps", tiles_as_it_steps },
   { "a step of another length", goes_on_with_another_step },
   { "steps that are too long", rejects_long_steps },
