@@ -10,11 +10,11 @@
  * leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the energy balance of
  * such a run is not either. */
 #include "plugins/common/channels/find_published.h"
-#include "plugins/common/liquid/cell_viscosity.h"
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/liquid_viscosity.h"
 #include "plugins/common/mac_grid/carried.h"
+#include "plugins/common/mac_grid/cell_viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
@@ -325,7 +325,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_find_surface(m);
   status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
   if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
-  if (s->viscosities) hk_cell_viscosity(m, &p, *s->viscosities, s->viscous.cell);
+  const hk_cell_particles by_cell = {m->start, m->sorted, s->index};
+  if (s->viscosities) hk_cell_viscosity(&m->grid, s->host, &by_cell, *s->viscosities, s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, c->h);
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);

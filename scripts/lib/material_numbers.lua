@@ -1,6 +1,6 @@
 -- material_numbers: what material = "cotton" stands for, in scene:grid and scene:mesh (areal density, kg/m^2), in the force
--- membrane (N/m), in hinges and quadratic_bending (N m), and in conduction and heating what melts. A name beside
--- it in the same table goes first. A file of this name beside a scene takes the place of this one.
+-- membrane (N/m), in hinges and quadratic_bending (N m), and in conduction, heating and their kin what melts. A name
+-- beside it in the same table goes first. A file of this name beside a scene takes the place of this one.
 --
 -- What is measured has its source; what is not is said to be derived, or assumed. None of the sources has damping, so none is here.
 local materials = {}
@@ -57,13 +57,14 @@ local function rubber(h)
 end
 materials.rubber = rubber(0.3e-3)
 
--- What melts, in conduction and heating: temperatures in K, the heat of melting in J/kg, heat capacities in J/(kg K) and
+-- What melts, in conduction, particle_conduction, heating and melt: temperatures in K, the heat of melting in J/kg, heat capacities in J/(kg K) and
 -- conductivities in W/(m K) of the solid and the melt near the melting point. The density, kg/m^3 of the melt, is for
 -- those who lay out particles. `enthalpy` in lib/heat.lua makes an enthalpy of a temperature.
 local function melting(what, source, density, law)
   local heating = {}
   for _, name in ipairs { "solidus", "liquidus", "latent", "capacity", "capacity_liquid" } do heating[name] = law[name] end
-  return { what = what, source = source, density = density, conduction = law, heating = heating }
+  return { what = what, source = source, density = density, conduction = law, particle_conduction = law, heating = heating,
+    melt = heating }
 end
 
 materials.ice = melting("ice and water at one atmosphere",

@@ -57,6 +57,7 @@ static const char *options_of(const char *scene) {
       {"stiff_cloth", "N=12"},
       {"tangled", "N=7"},
       {"wetting", "n=4"},
+      {"wax_figure", "cell=0.02"},
       {"wind_cloth", "N=8"},
       {"hair", "strands=6 segments=16"},
   };

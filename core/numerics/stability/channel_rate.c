@@ -1,9 +1,10 @@
 /* The largest rate of the channels, d(dy/dt)/dy, by power iteration on central differences in the largest norm: each
  * channel is scaled by its own largest value, all its numbers are perturbed at once by at most the difference step, and
- * the largest response is the rate. Where the rate of a number depends on that number alone, the first response is
- * exact; where neighbours are coupled (diffusion), the iteration approaches the largest eigenvalue from a start vector
- * of mixed signs. Channels that do not change, such as a radius, are left as they are: what others make of them is no
- * rate. The result is an estimate. */
+ * the largest response is the rate. The first response does not count: in it a channel that others feed, and that feeds
+ * none, is as fast as its scale is small. Where the rate of a number depends on that number alone, the second response
+ * is exact; where neighbours are coupled (diffusion), the iteration approaches the largest eigenvalue from a start
+ * vector of mixed signs. Channels that do not change, such as a radius, are left as they are: what others make of them
+ * is no rate. The result is an estimate. */
 #include "core/numerics/stability/channel_rate.h"
 #include "core/numerics/stability/lanczos.h"
 
@@ -72,7 +73,7 @@ hk_status hk_bound_channel_rate(hk_system *system, const hk_channel_scratch *s, 
     if (status != HK_OK) return status;
     *evaluations += 2;
     if (i == 0 && largest > 0 && leave_constant(system, s)) continue; /* the others' own response is the next one */
-    *rate = fmax(*rate, largest);
+    if (i > 0) *rate = fmax(*rate, largest);
     if (!(largest > 0) || fabs(largest - before) <= 1e-3 * largest) break; /* the rate has converged */
     for (size_t e = 0; e < numbers; e++) s->direction[e] = s->dy[0][e] / largest;
     before = largest;

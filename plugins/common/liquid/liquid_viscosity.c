@@ -1,7 +1,7 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
 #include "plugins/common/liquid/liquid_viscosity.h"
-#include "plugins/common/liquid/cell_viscosity.h"
 #include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/mac_grid/cell_viscosity.h"
 
 #include <string.h>
 

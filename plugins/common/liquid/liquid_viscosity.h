@@ -15,7 +15,7 @@ enum { HK_VISCOUS_ROW = 15 }; /* faces that share a strain with one, and itself 
 
 typedef struct hk_liquid_viscosity {
   double viscosity; /* Pa s; where `cell` has none */
-  double *cell;     /* size, Pa s, cell_viscosity.h; NULL: it is the same everywhere */
+  double *cell;     /* size, Pa s, mac_grid/cell_viscosity.h; NULL: it is the same everywhere */
   double tolerance; /* of what is left of the equations, relative */
   bool slip;        /* walls do not hold the liquid back */
   uint32_t *row[3]; /* of faces: number of the unknown, HK_LIQUID_NONE where there is none */

@@ -356,6 +356,28 @@ static void steps_are_short_enough(void **state) {
   }
 }
 
+/* The largest stable step of a bar that starts at 400 J/kg; with an account of what is given, which starts at 0. */
+static double stable_step(bool account) {
+  test_engine e;
+  hk_summary s;
+  hk_plugin_spec *spec = bar(&e, &plain, 16, 400, 300);
+  if (account) add_channel(&e, "given", 0);
+  if (account) test_text(&e, spec, "account", "given");
+  test_run(&e);
+  test_advance(&e, 0.1);
+  hk_run_summary(e.run, &s);
+  test_engine_close(&e);
+  return s.dt_max;
+}
+
+/* 2/(4/dx^2) at most, and what only counts makes none shorter. */
+static void an_account_makes_no_step_shorter(void **state) {
+  (void)state;
+  double without = stable_step(false), with = stable_step(true);
+  printf("steps of %.3g s, with an account %.3g s\n", without, with);
+  assert_true(without < 0.5 / 256 && without > 0.25 / 256 && fabs(with / without - 1) < 0.05);
+}
+
 /* ---- what is refused ---- */
 
 static void refuses(test_engine *e, const char *sentence) {
@@ -397,15 +419,11 @@ static void what_has_no_way_for_heat_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_slab_cools_by_its_series),
-      cmocka_unit_test(a_melting_front_is_stefans),
-      cmocka_unit_test(a_freezing_front_is_neumanns),
-      cmocka_unit_test(linear_temperatures_stay),
-      cmocka_unit_test(the_enthalpy_is_kept_to_rounding),
-      cmocka_unit_test(what_held_particles_give_is_counted),
-      cmocka_unit_test(steps_are_short_enough),
-      cmocka_unit_test(laws_that_cannot_be_are_refused),
-      cmocka_unit_test(what_has_no_way_for_heat_is_refused),
+      cmocka_unit_test(a_slab_cools_by_its_series),       cmocka_unit_test(a_melting_front_is_stefans),
+      cmocka_unit_test(a_freezing_front_is_neumanns),     cmocka_unit_test(linear_temperatures_stay),
+      cmocka_unit_test(the_enthalpy_is_kept_to_rounding), cmocka_unit_test(what_held_particles_give_is_counted),
+      cmocka_unit_test(steps_are_short_enough),           cmocka_unit_test(an_account_makes_no_step_shorter),
+      cmocka_unit_test(laws_that_cannot_be_are_refused),  cmocka_unit_test(what_has_no_way_for_heat_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

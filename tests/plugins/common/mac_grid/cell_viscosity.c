@@ -1,6 +1,7 @@
 /* The viscosity of cells: geometric means of their particles, neighbours' where a cell is empty, harmonic means
  * between. */
-#include "plugins/common/liquid/cell_viscosity.h"
+#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/mac_grid/cell_viscosity.h"
 #include "tests/support/solver_matrix.h"
 
 #include <setjmp.h>
@@ -32,7 +33,7 @@ static void cells_have_means_of_their_particles(void **state) {
   double *cell = calloc(l.grid.size, sizeof *cell);
   assert_non_null(cell);
   hk_liquid_sort(&l, &p);
-  hk_cell_viscosity(&l, &p, viscosity, cell);
+  hk_cell_viscosity(&l.grid, host, &(hk_cell_particles){l.start, l.sorted, index}, viscosity, cell);
   assert_true(fabs(cell[cell_at(&l.grid, 0, 0)] / 10 - 1) < 1e-12); /* sqrt(1e-3 1e5) */
   assert_true(fabs(cell[cell_at(&l.grid, 1, 0)] / 10 - 1) < 1e-12);
   assert_true(fabs(cell[cell_at(&l.grid, 0, 1)] / 10 - 1) < 1e-12); /* from the one below; that beside it has none */

@@ -1,10 +1,10 @@
-#include "plugins/common/liquid/cell_viscosity.h"
+#include "plugins/common/mac_grid/cell_viscosity.h"
 
 enum { GRAIN = 1024 };
 
 typedef struct task {
-  const hk_liquid *l;
-  const hk_liquid_particles *p;
+  const hk_liquid_grid *grid;
+  const hk_cell_particles *p;
   const double *viscosity;
   double *cell;
 } task;
@@ -14,8 +14,8 @@ static void own_piece(void *context, size_t begin, size_t end, size_t piece) {
   (void)piece;
   for (size_t c = begin; c < end; c++) {
     double sum = 0, count = 0;
-    for (size_t k = t->l->start[c]; k < t->l->start[c + 1]; k++) {
-      double mu = t->viscosity[t->p->index[t->l->sorted[k]]];
+    for (size_t k = t->p->start[c]; k < t->p->start[c + 1]; k++) {
+      double mu = t->viscosity[t->p->index[t->p->particle[k]]];
       if (mu > 0) sum += log(mu), count++;
     }
     t->cell[c] = count > 0 ? exp(sum / count) : 0;
@@ -24,25 +24,26 @@ static void own_piece(void *context, size_t begin, size_t end, size_t piece) {
 
 static void fill_piece(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
-  const hk_liquid_grid *g = &t->l->grid;
+  const hk_liquid_grid *g = t->grid;
   (void)piece;
   for (size_t k = begin; k < end; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
       double sum = 0, count = 0;
-      if (t->l->start[i] < t->l->start[i + 1]) continue;
+      if (t->p->start[i] < t->p->start[i + 1]) continue;
       for (int c = 0; c < 3; c++)
         for (int side = 0; side < 2 && !g->flat[c]; side++) {
           size_t j = side ? i + g->stride[c] : i - g->stride[c];
-          if (t->l->start[j] < t->l->start[j + 1] && t->cell[j] > 0) sum += log(t->cell[j]), count++;
+          if (t->p->start[j] < t->p->start[j + 1] && t->cell[j] > 0) sum += log(t->cell[j]), count++;
         }
       if (count > 0) t->cell[i] = exp(sum / count);
     }
   }
 }
 
-void hk_cell_viscosity(const hk_liquid *l, const hk_liquid_particles *p, const double *viscosity, double *cell) {
-  task t = {l, p, viscosity, cell};
-  l->host->parallel_for(l->host, l->grid.size, GRAIN, own_piece, &t);
-  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 8, fill_piece, &t);
+void hk_cell_viscosity(const hk_liquid_grid *g, const hk_host *host, const hk_cell_particles *p,
+                       const double *viscosity, double *cell) {
+  task t = {g, p, viscosity, cell};
+  host->parallel_for(host, g->size, GRAIN, own_piece, &t);
+  host->parallel_for(host, hk_liquid_rows(g, 0), 8, fill_piece, &t);
 }

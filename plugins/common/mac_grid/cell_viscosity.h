@@ -2,12 +2,19 @@
 #ifndef HK_CELL_VISCOSITY_H
 #define HK_CELL_VISCOSITY_H
 
-#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/mac_grid/liquid_grid.h"
+
+/* Particles by cells: those of cell c are particle[start[c]] to particle[start[c + 1] - 1], places in `index`, which
+ * has the scene's. */
+typedef struct hk_cell_particles {
+  const uint32_t *start, *particle, *index;
+} hk_cell_particles;
 
 /* cell: size, Pa s, of each cell the geometric mean of its particles' viscosities, and of one without particles that of
- * its neighbours with some; 0: it has none either. viscosity: of the scene's particles, Pa s, above 0; others do not
- * count. After hk_liquid_sort. */
-void hk_cell_viscosity(const hk_liquid *, const hk_liquid_particles *, const double *viscosity, double *cell);
+ * its neighbours with some; 0: it has none either. viscosity: of the scene's particles, Pa s; those not above 0 do not
+ * count. */
+void hk_cell_viscosity(const hk_liquid_grid *, const hk_host *, const hk_cell_particles *, const double *viscosity,
+                       double *cell);
 
 /* The harmonic mean of those above 0, by which a shear across layers of the cells has its stress; 0: there are none. */
 static inline double hk_viscosity_between(const double *cell, const size_t *at, int cells) {

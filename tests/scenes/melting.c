@@ -1,0 +1,43 @@
+/* Scenes of what melts: numbers that are known, and what has to happen. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+/* The link of 2 g starts at 270 K and takes 0.002 (2100 x 3.15 + 333600) J = 680 J until nothing of it holds, of which
+ * 0.6 W come from the air: with 500 W 1.36 s, and the fall by three links, 0.1 s, is seen at the next frame. */
+static void a_chain_of_ice_fails_when_its_link_has_molten(void **state) {
+  (void)state;
+  test_scene(&r, "ice_chain", "--until 1.6 --trust");
+  double broke = test_json(r.out, "broke");
+  if (!(broke > 1.36 && broke < 1.52)) fail_msg("it broke at %g s", broke);
+  test_scene(&r, "ice_chain", "--until 1.6 --trust power=100");
+  assert_true(test_json(r.out, "broke") == 0);
+}
+
+/* Without the lamp it stands; with it the head, a quarter of the figure, melts and the highest place sinks. */
+static void a_figure_of_wax_stands_until_it_melts(void **state) {
+  (void)state;
+  test_scene(&r, "wax_figure", "power=0 --until 0.25");
+  double cold = test_json(r.out, "height");
+  assert_true(test_json(r.out, "molten") == 0);
+  test_scene(&r, "wax_figure", "power=80000 --until 0.25");
+  double hot = test_json(r.out, "height");
+  if (!(cold > 0.115 && hot < cold - 0.01 && test_json(r.out, "molten") > 0.2)) fail_msg("%g m, %g m", cold, hot);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_chain_of_ice_fails_when_its_link_has_molten),
+      cmocka_unit_test(a_figure_of_wax_stands_until_it_melts),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
