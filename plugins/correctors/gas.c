@@ -6,7 +6,8 @@
  * The method is of order 1 in time, of order 2 in space where the gas is smooth. What it is not: the gas does not
  * expand where it burns, and moves nothing but tracers; conduction and no-slip at obstacles are of order 1; confinement
  * adds momentum that is not there. Its work is not known, so the energy balance of such a run is not either. */
-#include "plugins/common/gas/gas.h"
+#include "plugins/common/gas/gas_balance.h"
+#include "plugins/common/gas/gas_pace.h"
 #include "plugins/common/gas/gas_start.h"
 #include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/obstacles/obstacles_service.h"
@@ -15,6 +16,8 @@
 #include <string.h>
 
 enum { KEPT = HK_GAS_FIELDS + 3 + 1 /* arrays of the grid: the fields, the velocity before, pressure's impulse */ };
+
+static const double most_drift = 0.1; /* of heat, smoke or fuel, by carrying */
 
 typedef struct gas {
   double low[3], high[3], cell, memory, courant, tolerance;
@@ -29,6 +32,7 @@ typedef struct gas {
   double reached, last;               /* s, the end of the last step, and its length, 0: there is none; */
   double earlier;                     /* s, the length of the one before */
   double left, passed;                /* the largest: part of a cell's volume that a step gained; cells passed in one */
+  hk_gas_balance balance, balance_before; /* now; as the last step began */
   int64_t said;
   uint32_t *index;
   size_t count, obstacles; /* tracers; obstacles that were entered before */
@@ -114,6 +118,12 @@ static const hk_field fields[] = {
     {"last", .number = HK_AT(gas, last)},
     {"left", .number = HK_AT(gas, left)},
     {"passed", .number = HK_AT(gas, passed)},
+    {"moved_heat", .number = HK_AT(gas, balance.moved[0])},
+    {"moved_smoke", .number = HK_AT(gas, balance.moved[1])},
+    {"moved_fuel", .number = HK_AT(gas, balance.moved[2])},
+    {"whole_heat", .number = HK_AT(gas, balance.whole[0])},
+    {"whole_smoke", .number = HK_AT(gas, balance.whole[1])},
+    {"whole_fuel", .number = HK_AT(gas, balance.whole[2])},
     {"said", .integer = HK_AT(gas, said)},
     {0},
 };
@@ -218,13 +228,16 @@ static hk_status topology(void *self, const hk_view *view) { return choose_trace
 
 /* ---- a step ---- */
 
+static hk_gas_source source_of(const gas *s) {
+  return (hk_gas_source){s->source_radius,
+                         s->source_time,
+                         {[HK_GAS_HEAT] = isnan(s->source_temperature) ? 0 : s->source_temperature - s->start.ambient,
+                          [HK_GAS_SMOKE] = s->source_smoke,
+                          [HK_GAS_FUEL] = s->source_fuel}};
+}
+
 static void feed(gas *s, const hk_correction *c) {
-  const hk_gas_source source = {
-      s->source_radius,
-      s->source_time,
-      {[HK_GAS_HEAT] = isnan(s->source_temperature) ? 0 : s->source_temperature - s->start.ambient,
-       [HK_GAS_SMOKE] = s->source_smoke,
-       [HK_GAS_FUEL] = s->source_fuel}};
+  const hk_gas_source source = source_of(s);
   for (size_t k = 0; k < s->sources.count; k++)
     hk_gas_feed(&s->method, &source, c->x + 3 * (size_t)*hk_tuple(&s->sources, k), c->h);
 }
@@ -253,7 +266,9 @@ static hk_status step(gas *s, const hk_correction *c) {
   hk_gas *m = &s->method;
   hk_gas_walls(m);
   hk_gas_prepare(m, c->h, s->earlier);
+  hk_gas_balance_before(&s->balance, m);
   hk_gas_carry(m, c->h);
+  hk_gas_balance_after(&s->balance, m);
   feed(s, c);
   hk_gas_burn(m, c->h);
   hk_gas_push(m, c->h);
@@ -278,7 +293,9 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (!again) {
     hk_gas_begin(m, s->last);
     s->earlier = s->last;
+    s->balance_before = s->balance;
   }
+  s->balance = s->balance_before;
   s->reached = view->t;
   s->last = c->h;
   hk_status status = step(s, c);
@@ -291,12 +308,21 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   return HK_OK;
 }
 
+static double longest_step(void *self, const hk_view *view, const double *a) {
+  const gas *s = self;
+  const hk_gas_source source = source_of(s);
+  (void)view, (void)a;
+  double lift = hk_gas_fastest_lift(&s->method, s->sources.count ? &source : NULL);
+  return hk_gas_longest_step(&s->method, lift, s->courant);
+}
+
 static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   const gas *s = self;
   (void)view;
   figure[0] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
   figure[1] = (hk_own_figure){"courant", "cells", s->passed, INFINITY};
-  return 2;
+  figure[2] = (hk_own_figure){"carried_drift", "", hk_gas_drift(&s->balance, &s->method), most_drift};
+  return 3;
 }
 
 /* m: the tracer that is farthest in a wall. */
@@ -316,6 +342,7 @@ static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_MAY_REJECT,
                                        .correct = correct,
                                        .violation = violation,
+                                       .longest_step = longest_step,
                                        .figures = figures};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -42,5 +42,6 @@ end
 scene:force("sph", common { c = c })
 scene:force("viscosity", common { mu = 0.05 * density * c * dx, slip = true })
 
-scene:output("frames", { color = "group", radius = 0.5 * dx, from = { 0, -0.14, 0.02 }, look_at = { 0, 0, 0.004 }, ground_height = -5 * dx })
+scene:output("frames", { color = "group",
+  radius = 0.5 * dx, from = { 0, -0.14, 0.02 }, look_at = { 0, 0, 0.004 }, ground_height = -5 * dx })
 return scene

@@ -112,8 +112,8 @@ hk_status hk_gas_check_box(const hk_host *, const double low[3], const double hi
 /* The value of a field at a place; of velocities the component. */
 double hk_gas_value(const hk_gas *, const double *field, int f, const double x[3]);
 
-/* Warns of obstacles between whose sides the grid has no cell that is closed, and of boxes and sources, of that radius,
- * m, that are too small for its cells. */
+/* Warns of obstacles between whose sides the grid has no cell that is closed, of narrow gaps between them, and of boxes
+ * and sources, of that radius, m, that are too small for its cells. */
 void hk_gas_warn_of_cells(const hk_gas *, double source_radius);
 
 /* ---- for the files of this room ---- */

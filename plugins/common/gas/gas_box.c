@@ -1,5 +1,6 @@
 /* Whether a gas has room, and its grid cells enough. */
 #include "plugins/common/gas/gas.h"
+#include "plugins/common/mac_grid/narrow_gaps.h"
 
 hk_status hk_gas_check_box(const hk_host *host, const double low[3], const double high[3], double cell, double most) {
   double cells[3];
@@ -40,6 +41,7 @@ void hk_gas_warn_of_cells(const hk_gas *s, double source_radius) {
                     "of them; take smaller ones or a thicker obstacle",
                     k + 1, least, cell);
   }
+  hk_warn_of_gaps(s->host, g, all, s->open, "gas");
   for (int c = 0; c < 3; c++)
     if (!g->flat[c] && g->cells[c] < 4)
       s->host->warn(s->host,

@@ -179,6 +179,73 @@ static void what_the_grid_cannot_show_is_said(void **state) {
   said(&r, "source_radius: 0.01 m is less than a cell");
 }
 
+static void put_ball(room *r, double x, double z, double radius) {
+  hk_plugin_spec *ball = test_plugin(&r->e, HK_CORRECTOR, "obstacle");
+  test_text(&r->e, ball, "shape", "sphere");
+  test_vector(&r->e, ball, "size", 2 * radius, 2 * radius, 2 * radius);
+  test_vector(&r->e, ball, "position", x, 0, z);
+}
+
+static bool says_gap(room *r) {
+  bool found = false;
+  hold(r, 0.1, 1);
+  test_particle(&r->e, 0.5, 0, 0.95, 1);
+  test_run(&r->e);
+  for (size_t w = 0; w < r->e.run->warnings.count; w++) found |= strstr(r->e.run->warnings.text[w], "gap") != NULL;
+  test_engine_close(&r->e);
+  return found;
+}
+
+/* Balls 0.15 m apart in cells of 0.1 m, one 0.12 m from the floor; what touches or is more than two cells apart is none. */
+static void narrow_gaps_are_said(void **state) {
+  (void)state;
+  room r;
+  open_room(&r, 0.01);
+  put_ball(&r, 0.3, 0.6, 0.1);
+  put_ball(&r, 0.65, 0.6, 0.1);
+  hold(&r, 0.1, 1);
+  test_particle(&r.e, 0.5, 0, 0.95, 1);
+  said(&r, "between obstacle 1 and obstacle 2, near (0.475, 0, 0.6), is a gap of 0.15 m, and cells are 0.1 m");
+  open_room(&r, 0.01);
+  put_ball(&r, 0.5, 0.32, 0.2);
+  hold(&r, 0.1, 1);
+  test_particle(&r.e, 0.5, 0, 0.95, 1);
+  said(&r, "between obstacle 1 and a side of the box, near (0.5, 0, 0.06), is a gap of 0.12 m");
+  open_room(&r, 0.01);
+  put_ball(&r, 0.4, 0.5, 0.1);
+  put_ball(&r, 0.6, 0.5, 0.1);
+  assert_false(says_gap(&r));
+  open_room(&r, 0.01);
+  put_ball(&r, 0.3, 0.5, 0.08);
+  put_ball(&r, 0.7, 0.5, 0.08);
+  hk_plugin_spec *wall = test_plugin(&r.e, HK_CORRECTOR, "obstacle"); /* a floor that the box stands on */
+  test_text(&r.e, wall, "shape", "plane");
+  assert_false(says_gap(&r));
+}
+
+/* Gas of 800 K with 0.1 kg/m^3 of smoke in air of 293 K and 1.2 kg/m^3: a h^2 = 2 cells. Later steps go by the speed,
+ * and none has to be divided: the largest number of cells passed is near the bound, and never above. */
+static void the_step_is_foretold(void **state) {
+  (void)state;
+  room r;
+  open_plume(&r, NAN);
+  r.e.scene->fps = 1;
+  r.e.scene->duration = 3;
+  test_number(&r.e, r.gas, "source_temperature", 800);
+  test_run(&r.e);
+  const hk_instance *gas = test_instance(&r.e, r.gas);
+  hk_view view = *hk_run_view(r.e.run);
+  double h = gas->plugin->corrector->longest_step(gas->self, &view, NULL);
+  double lift = 9.81 * (507 / 293.0 - 0.1 / 1.2);
+  if (!(fabs(h / sqrt(2 / 16.0 / lift) - 1) < 1e-12)) fail_msg("%.17g s with %g m/s^2", h, lift);
+  test_advance(&r.e, 3);
+  hk_own_figure figure[HK_OWN_FIGURES];
+  gas->plugin->corrector->figures(gas->self, hk_run_view(r.e.run), figure);
+  if (!(figure[1].value > 1 && figure[1].value <= 2)) fail_msg("%g cells in a step", figure[1].value);
+  if (!(fabs(figure[2].value) < 0.1)) fail_msg("carrying has changed a sum by %g", figure[2].value);
+  test_engine_close(&r.e);
+}
+
 static void refused(room *r, const char *sentence) {
   assert_int_equal(hk_run_open(r->e.scene, &r->e.options, &r->e.run, &r->e.error), HK_BAD_PARAM);
   if (!strstr(r->e.error.text, sentence)) fail_msg("'%s' in: %s", sentence, r->e.error.text);
@@ -237,6 +304,8 @@ int main(void) {
       cmocka_unit_test(a_step_that_is_taken_back_leaves_no_trace),
       cmocka_unit_test(threads_do_not_change_bits),
       cmocka_unit_test(what_the_grid_cannot_show_is_said),
+      cmocka_unit_test(narrow_gaps_are_said),
+      cmocka_unit_test(the_step_is_foretold),
       cmocka_unit_test(what_cannot_be_is_refused),
       cmocka_unit_test(what_a_step_cannot_do_is_refused),
   };
