@@ -28,6 +28,8 @@ static const char *options_of(const char *scene) {
     const char *scene, *options;
   } coarse[] = {
       {"bowling", "rows=1 duration=1"},
+      {"bricks", "rows=2 columns=2"},
+      {"candle", "cell=0.005"},
       {"cantilever", "n=10"},
       {"card_house", "N=3 --dt 8e-5"},
       {"cloth", "N=12"},
@@ -38,6 +40,7 @@ static const char *options_of(const char *scene) {
       {"dam_break_sph", "n=6"},
       {"discretization", "N=8"},
       {"dust", "N=20"},
+      {"embroidery", "N=32"},
       {"folds", "N=5"},
       {"galaxy", "N=2000"},
       {"granular_gas", "n=100"},
@@ -50,6 +53,7 @@ static const char *options_of(const char *scene) {
       {"materials", "N=7 --trust"},
       {"metaballs", "pairs=1 size=0.1"},
       {"peirce", "N=10"},
+      {"plume", "cell=0.05"},
       {"pour", "size=0.02"},
       {"rotating_sphere", "N=21"},
       {"sand", "n=100"},

@@ -34,18 +34,18 @@ static void the_choice_reaches_the_accuracy_and_says_why(void **state) {
 
 static void the_choice_is_kept_for_scene_parameters_and_accuracy(void **state) {
   (void)state;
-  static const char line[] = "auto " SCENES "sine.lua k=5 --accuracy 1e-3";
+  static const char line[] = "auto " SCENES "sine.lua k=5 --accuracy 1e-3 --budget 1";
   hooke(line);
   expect(0, "kept in cache/hooke/auto-");
   hooke(line);
   expect(0, "chosen before, from cache/hooke/auto-");
-  hooke("auto " SCENES "sine.lua k=6 --accuracy 1e-3");
+  hooke("auto " SCENES "sine.lua k=6 --accuracy 1e-3 --budget 1");
   expect(0, "measured in");
-  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-5");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-5 --budget 1");
   expect(0, "measured in");
-  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --again");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --budget 1 --again");
   expect(0, "measured in");
-  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --quiet");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --budget 1 --quiet");
   assert_true(r.code == 0 && !*r.err && !*r.out);
 }
 
@@ -79,12 +79,12 @@ static void the_choice_is_made_anew_when_a_module_changes(void **state) {
   test_write("with.lua", "local scene = hooke.scene { duration = 1, fps = 30 }\n"
                          "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
                          "scene:force('central', { strength = require('pull') })\nreturn scene\n");
-  hooke("auto with.lua --accuracy 1e-3");
+  hooke("auto with.lua --accuracy 1e-3 --budget 1");
   expect(0, "measured in");
-  hooke("auto with.lua --accuracy 1e-3");
+  hooke("auto with.lua --accuracy 1e-3 --budget 1");
   expect(0, "chosen before");
   test_write("pull.lua", "return 31\n");
-  hooke("auto with.lua --accuracy 1e-3");
+  hooke("auto with.lua --accuracy 1e-3 --budget 1");
   expect(0, "measured in");
 }
 

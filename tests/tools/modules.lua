@@ -30,10 +30,23 @@ local function modules()
   return list
 end
 
--- A file in Lua, and a shared object that leaves a file ESCAPED in the working folder.
-local function plant(folder, name)
-  local path = ("%s/%s"):format(folder, name:gsub("%.", "/"))
-  shell("mkdir -p '%s' && cp '%s/tests/fixtures/escape.so' '%s.so'", path, build, path)
+-- Of each name a file in Lua, and a shared object that leaves a file ESCAPED in the working folder.
+local function path_of(folder, name) return ("%s/%s"):format(folder, (name:gsub("%.", "/"))) end
+
+local function plant_objects(folder, names)
+  local words = { "set -e" }
+  for _, name in ipairs(names) do
+    local path = path_of(folder, name)
+    words[#words + 1] = ("mkdir -p '%s'; ln -s '%s/tests/fixtures/escape.so' '%s.so'"):format(path, build, path)
+  end
+  local script = place .. "/plant.sh"
+  files.write(script, table.concat(words, "\n") .. "\n")
+  local said, code = shell("sh '%s'", script)
+  assert(code == 0, said)
+end
+
+local function plant_code(folder, name)
+  local path = path_of(folder, name)
   local code = ("local f = io.open(%q, 'a') f:write(%q, '\\n') f:close() return {}"):format(marks, path)
   files.write(path .. ".lua", code)
   files.write(path .. "/init.lua", code)
@@ -47,7 +60,8 @@ end
 local all = modules()
 assert(#all > 40, "the modules of the tools are not found")
 for _, folder in ipairs { here, beside, named } do
-  for _, name in ipairs(all) do plant(folder, name) end
+  plant_objects(folder, all)
+  for _, name in ipairs(all) do plant_code(folder, name) end
   for _, name in ipairs { "gnuplot", "ffmpeg", "mkdir", "rm", "sh", "hooke" } do plant_program(folder, name) end
   files.write(folder .. "/.gnuplot", ("set print '%s' append; print 'gnuplot'\n"):format(marks))
   shell("mkdir -p '%s/node_modules/three/build'", folder)

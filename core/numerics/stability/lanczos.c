@@ -109,13 +109,13 @@ static hk_status advance(hk_lanczos *l, tridiagonal *t, hk_lanczos_apply *apply,
   return isfinite(t->b[k]) ? HK_OK : HK_NOT_FINITE;
 }
 
-/* Updates theta and bound; true: the bound is tight enough or the Krylov space is complete. */
-static bool update_bounds(hk_lanczos *l, const tridiagonal *t, double known) {
+/* Updates the bound; true: it is tight enough or the Krylov space is complete. Whether theta is large enough for that
+ * is a single question to T; itself it is looked for at the end. */
+static bool update_bound(hk_lanczos *l, const tridiagonal *t, double known) {
   double d = failure_probability * sqrt(1.5707963267948966 / (double)l->size), last = t->b[t->k - 1];
   bool complete = (size_t)t->k >= l->size || last <= breakdown * l->norm;
-  l->theta = root(t, 0);
-  l->bound = fmin(fmin(l->bound, known), complete ? l->theta : root(t, 1 / d));
-  return complete || l->bound <= bound_ratio * l->theta + l->slack;
+  l->bound = fmin(fmin(l->bound, known), root(t, complete ? 0 : 1 / d));
+  return complete || !above(t, (l->bound - l->slack) / bound_ratio, 0);
 }
 
 hk_status hk_lanczos_run(hk_lanczos *l, hk_lanczos_apply *apply, void *context, double known) {
@@ -129,9 +129,11 @@ hk_status hk_lanczos_run(hk_lanczos *l, hk_lanczos_apply *apply, void *context, 
   for (;;) {
     hk_status status = advance(l, &t, apply, context);
     if (status != HK_OK) return status;
-    if (update_bounds(l, &t, known) || t.k == HK_LANCZOS_STEPS) return HK_OK;
+    if (update_bound(l, &t, known) || t.k == HK_LANCZOS_STEPS) break;
     swap(&l->previous, &l->current);
     swap(&l->current, &l->image);
     scale(l->current, 1 / t.b[t.k - 1], l->size);
   }
+  l->theta = root(&t, 0);
+  return HK_OK;
 }
