@@ -21,7 +21,6 @@ typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
   int64_t newest; /* which of the two a it is */
   double *slope;  /* a twice, n x 3 each, and dy */
-  double power;   /* W, of the forces at the start of the step */
 } leapfrog;
 
 static const hk_field fields[] = {
@@ -67,12 +66,12 @@ static hk_status prime(leapfrog *m, hk_system *s) {
   return status;
 }
 
-/* kg m^2/s^4: the sum of m a^2 over the free particles. */
-static double weigh(const hk_model *model, const double *a) {
+/* The sum of m a.b over the free particles. */
+static double dot(const hk_model *model, const double *a, const double *b) {
   double sum = 0;
   for (size_t i = 0; i < model->n; i++)
     if (model->inverse_mass[i] > 0)
-      sum += model->mass[i] * (a[3 * i] * a[3 * i] + a[3 * i + 1] * a[3 * i + 1] + a[3 * i + 2] * a[3 * i + 2]);
+      sum += model->mass[i] * (a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2]);
   return sum;
 }
 
@@ -99,40 +98,43 @@ static double borne_more(const hk_system *s, const double *a_from, const double 
   return sum;
 }
 
-/* W, of pins and forces in the middle of the step from `spare` to `end`: at the mean of both positions, with their
- * difference over h as velocity. Writes over `spare`, and over the slope that is not the newest. */
-static hk_status power_in_the_middle(leapfrog *m, hk_system *s, const double *end, double h, double *watt) {
-  size_t v = 3 * s->n;
-  double *x = s->spare, *middle = x + v, *dy = x + 2 * v;
-  for (size_t e = 0; e < v; e++) {
-    middle[e] = (end[e] - x[e]) / h;
-    x[e] = (x[e] + end[e]) / 2;
+/* J along the straight way from `spare` to s->X at one speed, by the mean of both ends: of all forces on free
+ * particles, and of pins and forces without a potential. Writes over the velocities in `spare`, and over a. */
+static hk_status work_along(hk_system *s, double h, double *a, double *forces, double *rest) {
+  size_t count = 3 * s->n;
+  double *x = s->spare, *v = x + count, *dy = v + count;
+  hk_status status = HK_OK;
+  for (size_t e = 0; e < count; e++) v[e] = (s->X[e] - x[e]) / h;
+  for (int k = 0; k < 2 && status == HK_OK; k++) {
+    status = s->accelerations(s, k ? s->t : s->t - h, k ? s->X : x, v, s->X + 2 * count, a, dy);
+    *forces += h / 2 * dot(s->model, a, v);
+    *rest += h / 2 * dy[s->size - 2 * count - 1];
   }
-  hk_status status = s->accelerations(s, s->t - h / 2, x, middle, s->X + 2 * v, slope_of(m, s, m->newest + 1), dy);
-  *watt = dy[s->size - 2 * v - 1];
   return status;
 }
 
-/* For forces that are linear, steps keep H - h^2/8 sum of m a^2 exactly, of which a corrector changes both terms (H =
- * kinetic + potential energy: multiply v' - v = h/2 (a + a') by v' + v = 2 (x' - x)/h + h/2 (a' - a)). In the same
- * identity the work of damping is its sum with the velocity in the middle, (x' - x)/h; the sum of the ends' powers P
- * and P' has h/2 (P + P') - h P(middle) too much, of the order of h^3 a step unless a corrector takes back what the
- * velocity has gained in every step, as contact does that bears a load. */
+/* A free step gives kinetic energy beyond the mean force times its way by exactly h^2/8 times the change of the sum of
+ * m a^2 (multiply v' - v = h/2 (a + a') by v' + v = 2 (x' - x)/h + h/2 (a' - a)), where the work of linear damping is
+ * that at the mean velocity of the step. What is beyond that along the way that a correction leaves is its work, so
+ * that the balance keeps the method's error along this way. What contact bears falls in each step and is put back: the
+ * curvature of a force along that fall is no error of the motion. */
 static hk_status account(void *self, const void *method, hk_system *s, const double *end, double h, hk_corrected *out) {
   leapfrog *m = self;
-  size_t rest = s->size - 6 * s->n;
-  double *dy = rates_of(m, s), kept = weigh(s->model, slope_of(m, s, m->newest)), at_end = dy[rest - 1], middle = 0;
+  size_t v = 3 * s->n;
+  double *from = slope_of(m, s, m->newest + 1), counted = end[s->size - 1] - s->spare[s->size - 1];
+  double gained = (dot(s->model, s->X + v, s->X + v) - dot(s->model, s->spare + v, s->spare + v)) / 2;
+  double forces = 0, rest = 0;
   (void)method;
+  out->work = NAN;
   if (s->constraint && s->constraint->holonomic) return HK_OK; /* the slope is that of RATTLE's next step */
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  const double *a = slope_of(m, s, m->newest);
-  kept = h * h / 8 * (kept - weigh(s->model, a) + borne_more(s, slope_of(m, s, m->newest + 1), a, end));
-  double after = dy[rest - 1];
-  if (m->power != 0 || at_end != 0 || after != 0) status = power_in_the_middle(m, s, end, h, &middle);
+  const double *to = slope_of(m, s, m->newest);
+  double kept = dot(s->model, to, to) - dot(s->model, from, from) - borne_more(s, from, to, end);
+  status = work_along(s, h, from, &forces, &rest);
   m->primed = status == HK_OK;
-  out->work = kept + h * (middle - (m->power + at_end) / 2);
-  out->correction = kept + h * (middle - (m->power + after) / 2);
+  out->correction = gained - forces - h * h / 8 * kept;
+  out->work = out->correction + rest - counted;
   return status;
 }
 
@@ -156,7 +158,6 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   if (s->constraint && s->constraint->holonomic) return constrained_step(m, s, t_next, h);
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  m->power = dy[s->size - y - 1];
   double *a_next = slope_of(m, s, m->newest + 1);
   hk_leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h, s->host->lanes};
   predict_rest(next + y, X + y, dy, s->size - y, h);

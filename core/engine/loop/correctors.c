@@ -123,21 +123,22 @@ static void commit(hk_record *record, const account *a) {
   record->contact_work += a->contact;
 }
 
-/* A method that keeps an energy of its own loses or gains what the correction does in that. */
+/* Where the method knows the work of the correction, that stands in place of what was measured. */
 static hk_status settle(hk_loop *loop, account *a, double h) {
   const hk_corrected_facet *facet = &hk_integrator_tables_of(loop->method)->corrected;
   hk_state *s = loop->state;
   hk_instance *instance = loop->integrator;
-  hk_corrected more = {0};
+  hk_corrected whole = {.work = NAN};
   hk_status status = hk_forces_settle(loop->dynamics);
   if (status != HK_OK || a->silent || !facet->account) return status;
   const hk_instance *outer = hk_enter(instance);
-  status = facet->account(instance->self, loop->method->method, &loop->dynamics->system, loop->X_end, h, &more);
+  status = facet->account(instance->self, loop->method->method, &loop->dynamics->system, loop->X_end, h, &whole);
   status = hk_leave_with(instance, outer, "account", status);
-  s->X[s->size - 1] += more.work;
-  a->work += more.correction;
-  a->contact += a->touched ? more.correction : 0;
-  return status;
+  if (status != HK_OK || isnan(whole.work)) return status;
+  s->X[s->size - 1] = loop->X_end[s->size - 1] + whole.work;
+  a->contact += a->touched ? whole.correction - a->work : 0;
+  a->work = whole.correction;
+  return HK_OK;
 }
 
 static hk_status reject(hk_loop *loop, const hk_instance *corrector, double part, bool *rejected) {

@@ -1,17 +1,18 @@
-/* Methods that keep an energy of their own near that of the scene, and what a corrector that changes the state at the
- * end of their step does to it. */
+/* Methods that know what of the energy of a step that correctors ended is the correction's work, and what their own
+ * error. Of others it is the change of the scene's energy by the correction. */
 #ifndef HK_PLUGIN_CORRECTED_H
 #define HK_PLUGIN_CORRECTED_H
 
 #include "core/plugin/integrator.h"
 
-/* J, what the energy balance needs beside the change of the scene's energy, which the host measures. */
+/* J, for the energy balance of a step that correctors ended. */
 typedef struct hk_corrected {
-  double work;       /* of all that correctors did */
-  double correction; /* of it what is not the power of forces: of the correction itself */
+  double work; /* of pins, forces without a potential and the correction, beyond what the step had counted by its own
+                  end; NAN: not known */
+  double correction; /* of the correction */
 } hk_corrected;
 
-#define HK_CORRECTED_ID "corrected/1"
+#define HK_CORRECTED_ID "corrected/2"
 
 typedef struct hk_corrected_facet {
   size_t size;
