@@ -22,6 +22,7 @@ typedef struct hk_rider {
   uint32_t carrier[HK_CARRIERS];
   double weight[HK_CARRIERS]; /* with the sum 1 */
   bool touches;               /* it is of the surface of its body, see hk_model.inside */
+  double radius;              /* m, of a round point of the surface; 0: what contact says of such points */
 } hk_rider;
 
 /* The surface of a body, for pictures: its triangles in a frame whose origin, and whose unit points of the three axes,

@@ -30,7 +30,7 @@
  * zones, barrier, force --until 0.6 --no-output --threads 1).
  */
 #include "plugins/common/contact/bodies/body_impacts.h"
-#include "plugins/common/contact/bodies/face_contacts.h"
+#include "plugins/common/contact/faces/face_contacts.h"
 #include "plugins/common/contact/bodies/surface_arms.h"
 #include "plugins/common/contact/impulses/impulse_contact.h"
 #include "plugins/common/contact/impulses/warm_start.h"
@@ -133,12 +133,13 @@ static void warn_of_balls(const contact *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
     const hk_rider *r = &m->rider[k];
-    if (!r->touches || r->carriers == 4 || !(s->base.params.radius > turning * extent_of(view, r))) continue;
+    double radius = r->radius > 0 ? r->radius : s->base.params.radius;
+    if (!r->touches || r->carriers == 4 || !(radius > turning * extent_of(view, r))) continue;
     s->base.host->warn(
         s->base.host,
         "a round point of a flat body or a rod is rubbed at its centre: particle %u, of the radius %g m, so that "
         "friction does not turn it about what it has no extent across; give the body a thickness",
-        m->id[r->particle], s->base.params.radius);
+        m->id[r->particle], radius);
     return;
   }
 }

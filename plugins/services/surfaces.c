@@ -77,7 +77,7 @@ static hk_status list(surfaces *s, const hk_view *view) {
   hk_status status = hk_surface_lists_build(&s->lists, s->host, view, &s->request, s->left);
   s->lists.mesh.number = s->number;
   for (size_t i = 0; i < view->n && status == HK_OK; i++)
-    s->strand_radius[i] = s->lists.in_triangle[i] || s->left[i] ? 0 : s->request.radius;
+    s->strand_radius[i] = s->lists.in_triangle[i] || s->left[i] ? 0 : s->lists.radius[i];
   if (status == HK_OK) status = hk_broad_phase_open(&s->search, s->host, &s->lists, s->model);
   return status == HK_OK ? hk_surface_patches_open(&s->patches, s->host, &s->search) : status;
 }

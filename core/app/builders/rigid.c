@@ -4,7 +4,10 @@
  * `velocity` that of its centre of mass, `spin` in rad/s along the axes of the scene.
  *
  * Its handle: body:spin(state), :attitude(state) and the like are of the state that a measure or on_frame gets, or of
- * run:state(); body:point{x, y, z} makes a rider before the run, body:surface() those that contact takes. */
+ * run:state(); body:point{x, y, z} makes a rider before the run, body:surface() those that contact takes: the vertices
+ * of its triangles, or points that are named, which are balls with a radius, and capsules where they are joined. With a
+ * radius triangles are moved inwards by it, so that what is a radius away from them has the faces that the body had,
+ * and round edges and corners. */
 #include "core/app/builders/mesh_handle.h"
 #include "core/app/builders/rigid_bodies.h"
 
@@ -137,8 +140,7 @@ static void find_weights(lua_State *L, const hk_lua_rigid *r, const double y[3],
   for (uint32_t k = 0; k < rider->carriers; k++) rider->carrier[k] = r->first + k;
 }
 
-static uint32_t add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3], bool touches) {
-  hk_rider rider = {.touches = touches};
+static uint32_t add_rider(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3], hk_rider rider) {
   hk_error error = {0};
   const double nowhere[3] = {0};
   find_weights(L, r, y, &rider);
@@ -149,7 +151,12 @@ static uint32_t add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, 
 }
 
 uint32_t hk_rigid_add_point(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3]) {
-  return add_point(L, scene, r, y, false);
+  return add_rider(L, scene, r, y, (hk_rider){.touches = false});
+}
+
+/* radius: m, of what is round; 0: that which contact has for such points. */
+static uint32_t add_touching(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, const double y[3], double radius) {
+  return add_rider(L, scene, r, y, (hk_rider){.touches = true, .radius = radius});
 }
 
 static hk_scene *editable(lua_State *L, const char *what) {
@@ -168,33 +175,60 @@ static int point(lua_State *L) {
   return 1;
 }
 
-/* body:surface { {x, y, z}, ... }: a list of ids. */
-static int surface_points(lua_State *L, hk_scene *scene, const hk_lua_rigid *r) {
+/* ---- body:surface() ---- */
+
+static const char points_form[] = "body:surface { {x, y, z}, ... }";
+
+/* m, 0: none is given. */
+static double read_radius(lua_State *L, int options) {
+  static const char *const keys[] = {"radius", "joined", NULL};
+  if (lua_isnoneornil(L, options)) return 0;
+  hk_lua_check_table(L, options, "surface", "{ radius = 0.1 }");
+  hk_lua_check_keys(L, options, "surface", keys);
+  double radius = hk_lua_field_number(L, options, "surface", "radius", 0);
+  if (hk_lua_field(L, options, "radius") != LUA_TNIL && !(radius > 0 && isfinite(radius)))
+    hk_lua_fail(L, HK_BAD_PARAM, "surface: radius: %g m is not above 0: leave it out, or give a length", radius);
+  lua_pop(L, 1);
+  return radius;
+}
+
+/* Points that follow each other become the ends of edges. */
+static void join_points(lua_State *L, hk_scene *scene, uint32_t first, lua_Integer count) {
+  hk_error error = {0};
+  if (count < 2)
+    hk_lua_fail(L, HK_BAD_PARAM, "surface: joined: %d point has nothing to be joined with: give two or more",
+                (int)count);
+  for (lua_Integer k = 0; k + 1 < count; k++) {
+    const uint32_t pair[1][2] = {{first + (uint32_t)k, first + (uint32_t)k + 1}};
+    hk_limits_take(L, sizeof pair);
+    if (hk_scene_add_edges(scene, 1, pair, &error) != HK_OK) hk_lua_raise_for(L, "surface", &error);
+  }
+}
+
+/* A list of ids. */
+static int add_points(lua_State *L, hk_scene *scene, const hk_lua_rigid *r) {
   lua_Integer count = luaL_len(L, 2);
-  double y[3];
+  double y[3], radius = read_radius(L, 3);
+  uint32_t first = 0;
   lua_createtable(L, (int)count, 0);
   for (lua_Integer k = 1; k <= count; k++) {
     lua_geti(L, 2, k);
-    hk_lua_vector(L, -1, "body:surface { {x, y, z}, ... }", y);
+    hk_lua_vector(L, -1, points_form, y);
     lua_pop(L, 1);
-    lua_pushinteger(L, add_point(L, scene, r, y, true));
+    uint32_t id = add_touching(L, scene, r, y, radius);
+    if (k == 1) first = id;
+    lua_pushinteger(L, id);
     lua_rawseti(L, -2, k);
+  }
+  if (lua_istable(L, 3)) {
+    hk_lua_field(L, 3, "joined");
+    if (lua_toboolean(L, -1)) join_points(L, scene, first, count);
+    lua_pop(L, 1);
   }
   return 1;
 }
 
-/* body:surface(): the vertices of its triangles, as a handle that has these and their sides. */
-static int surface(lua_State *L) {
-  const hk_lua_rigid *r = self(L);
-  hk_scene *scene = editable(L, "surface");
-  const hk_body_skin *skin = NULL;
-  hk_lua_handle h = {.ny = 1};
-  if (lua_istable(L, 2)) return surface_points(L, scene, r);
-  for (size_t k = 0; k < scene->particles.skins; k++)
-    if (scene->particles.skin[k].carrier[0] == r->first) skin = &scene->particles.skin[k];
-  if (!skin || skin->triangles == 0)
-    hk_lua_fail(L, HK_BAD_PARAM,
-                "surface: this body has no triangles: name points of it, as in body:surface { {0, 0, 1}, ... }");
+static hk_mesh *copy_skin(lua_State *L, const hk_body_skin *skin) {
   hk_mesh *m = hk_mesh_new(L);
   m->vertex = malloc((3 * skin->vertices + 1) * sizeof *m->vertex);
   m->triangle = malloc((skin->triangles + 1) * sizeof *m->triangle);
@@ -203,13 +237,36 @@ static int surface(lua_State *L) {
   m->vertices = skin->vertices, m->triangles = skin->triangles;
   memcpy(m->vertex, skin->vertex, 3 * m->vertices * sizeof *m->vertex);
   memcpy(m->triangle, skin->triangle, m->triangles * sizeof *m->triangle);
+  return m;
+}
+
+/* The vertices of its triangles, as a handle that has these and their sides. */
+static int add_triangles(lua_State *L, hk_scene *scene, const hk_lua_rigid *r, double radius) {
+  const hk_body_skin *skin = NULL;
+  hk_lua_handle h = {.ny = 1};
+  for (size_t k = 0; k < scene->particles.skins; k++)
+    if (scene->particles.skin[k].carrier[0] == r->first) skin = &scene->particles.skin[k];
+  if (!skin || skin->triangles == 0)
+    hk_lua_fail(L, HK_BAD_PARAM, "surface: this body has no triangles: name points of it, as in %s", points_form);
+  hk_mesh *m = copy_skin(L, skin);
+  const char *wrong = radius > 0 ? hk_mesh_move_inwards(m, radius) : NULL;
+  if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "surface: radius: %s", wrong);
   for (size_t k = 0; k < m->vertices; k++) {
-    uint32_t id = add_point(L, scene, r, m->vertex + 3 * k, true);
+    uint32_t id = add_touching(L, scene, r, m->vertex + 3 * k, radius);
     if (k == 0) h.first = id;
   }
   h.count = h.nx = (uint32_t)m->vertices;
   hk_mesh_enter(L, scene, m, h, false);
   return 1;
+}
+
+/* body:surface(), body:surface { radius = 0.1 }, body:surface({ {x, y, z}, ... }, { radius = 0.1, joined = true }). */
+static int surface(lua_State *L) {
+  const hk_lua_rigid *r = self(L);
+  lua_settop(L, 3);
+  hk_scene *scene = editable(L, "surface");
+  bool points = lua_istable(L, 2) && luaL_len(L, 2) > 0;
+  return points ? add_points(L, scene, r) : add_triangles(L, scene, r, read_radius(L, 2));
 }
 
 static const luaL_Reg methods[] = {{"ids", ids},

@@ -45,6 +45,12 @@ const char *hk_mesh_add_cylinder(hk_mesh *, double radius, double length, double
 const char *hk_mesh_add_box(hk_mesh *, const double size[3]);
 const char *hk_mesh_add_square(hk_mesh *, double size); /* in the plane z = 0, seen from above */
 
+/* ---- inwards.c ---- */
+
+/* Moves all faces of a closed mesh inwards by a distance, m, with the edges and corners between them. The sentence of
+ * an error ends a line that begins with the name of the distance. */
+const char *hk_mesh_move_inwards(hk_mesh *, double distance);
+
 /* ---- implicit_shapes.c ---- */
 
 /* A shape by a function of places that is not below 0 inside, made of parts:

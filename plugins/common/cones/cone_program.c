@@ -59,8 +59,7 @@ bool hk_eliminate(double *A, double *rhs, size_t n) {
 
 /* ---- the projection on a cone ---- */
 
-/* P(-u) of one impact, and its derivative J by -u, 3 x 3, where it is wanted. */
-static void project(const double *u, size_t unknowns, double mu, double P[3], double *J) {
+void hk_cone_project(const double *u, size_t unknowns, double mu, double P[3], double *J) {
   double w[3] = {-u[0], 0, 0}, across = 0;
   if (J) memset(J, 0, 9 * sizeof *J);
   for (size_t c = 1; c < unknowns; c++) w[c] = -u[c], across = size_of(across, w[c]);
@@ -82,7 +81,7 @@ static void project(const double *u, size_t unknowns, double mu, double P[3], do
 
 static void project_all(const work *w, const double *u) {
   for (size_t k = 0; k < w->p->count; k++)
-    project(u + w->p->first[k], unknowns(w->p, k), w->p->mu[k], w->P + w->p->first[k], NULL);
+    hk_cone_project(u + w->p->first[k], unknowns(w->p, k), w->p->mu[k], w->P + w->p->first[k], NULL);
 }
 
 /* ---- Newton's iteration ---- */
@@ -101,7 +100,7 @@ static void set_rows(const work *w) {
   for (size_t k = 0; k < p->count; k++) {
     double J[9], R = R_of(w, k);
     size_t i = p->first[k], m = unknowns(p, k);
-    project(w->u + i, m, p->mu[k], w->P + i, J);
+    hk_cone_project(w->u + i, m, p->mu[k], w->P + i, J);
     for (size_t a = 0; a < m; a++) {
       double *row = p->matrix + (i + a) * p->size;
       for (size_t b = 0; b < m; b++)

@@ -25,6 +25,8 @@ typedef struct hk_cone_program {
 /* Solves it, but for 1e-7 of D's diagonal times z, to that of u, and for what six programs leave of what slides. False:
  * a program was not solved. */
 bool hk_cone_program_solve(const hk_cone_program *);
+/* P(-u) of one impact, the projection on its cone, and its derivative J by -u, 3 x 3, where it is wanted. */
+void hk_cone_project(const double *u, size_t unknowns, double mu, double P[3], double *J);
 /* A rhs = rhs by elimination with pivots of columns, which changes A (n x n); false: A is singular. */
 bool hk_eliminate(double *A, double *rhs, size_t n);
 

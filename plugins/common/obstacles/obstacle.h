@@ -25,6 +25,8 @@ typedef struct hk_obstacle {
   double rolling, spinning; /* m, of round rigid bodies: contact/bodies/body_moments.h */
   double radius;            /* m, of all particles */
   const double *radii;      /* n, m; NULL: `radius` */
+  const hk_model *rounded;  /* its riders have radii of their own; NULL: none has */
+  double largest;           /* m, of these */
   const hk_tuples *edges; /* arity 2: pairs of particles between which it does not come either; NULL: none are named */
   hk_motion motion;
 } hk_obstacle;
@@ -46,7 +48,11 @@ was not, or the method is of order 1 */
   bool changed, endless; /* endless: too many impacts; x and v are unchanged */
 } hk_obstacle_step;
 
-static inline double hk_obstacle_radius(const hk_obstacle *o, size_t i) { return o->radii ? o->radii[i] : o->radius; }
+static inline double hk_obstacle_radius(const hk_obstacle *o, size_t i) {
+  const hk_rider *r = o->rounded && o->rounded->pin[i] == HK_PIN_RIDES ? hk_model_rider(o->rounded, i) : NULL;
+  if (r && r->radius > 0) return r->radius;
+  return o->radii ? o->radii[i] : o->radius;
+}
 
 /* The positions (m) and velocities (m/s) of all particles at both ends of a step, n x 3 each; h in s. */
 typedef struct hk_obstacle_moves {

@@ -62,6 +62,9 @@ hk_pose hk_obstacle_pose(const hk_obstacle_params *p, double t) {
 void hk_obstacle_take_radii(hk_obstacle *o, const hk_obstacle_params *p, const hk_view *view) {
   o->radius = p->radius;
   o->radii = p->radius_channel && view->y ? view->y + view->model->channel[p->channel].offset * view->n : NULL;
+  o->largest = 0;
+  for (size_t k = 0; k < view->model->riders; k++) o->largest = fmax(o->largest, view->model->rider[k].radius);
+  o->rounded = o->largest > 0 ? view->model : NULL;
 }
 
 hk_inside hk_obstacle_inside(const hk_obstacle *o, const hk_view *view) {

@@ -12,7 +12,7 @@ typedef struct block {
 } block;
 
 static double largest_radius(const hk_obstacle *o, size_t begin, size_t count) {
-  double most = o->radii ? 0 : o->radius;
+  double most = fmax(o->largest, o->radii ? 0 : o->radius);
   for (size_t k = 0; o->radii && k < count; k++) most = fmax(most, o->radii[begin + k]);
   return most;
 }

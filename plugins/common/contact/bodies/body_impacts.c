@@ -5,6 +5,7 @@
 #include "plugins/common/contact/bodies/body_energy.h"
 #include "plugins/common/contact/bodies/body_newton.h"
 #include "plugins/common/contact/bodies/impact_response.h"
+#include "plugins/common/contact/bodies/solid_newton.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
@@ -29,7 +30,8 @@ static const double polished = 1e-3;
 hk_status hk_body_impacts_open(hk_body_impacts *s, const hk_host *host) {
   s->host = host;
   s->bodies = host->query(host, "bodies/1");
-  return s->bodies ? HK_OK : host->fail(host, HK_FAILED, "the host has no service bodies/1: take a newer hooke");
+  if (!s->bodies) return host->fail(host, HK_FAILED, "the host has no service bodies/1: take a newer hooke");
+  return hk_solid_program_open(&s->program, host);
 }
 
 void hk_body_impacts_topology(hk_body_impacts *s) {
@@ -65,6 +67,7 @@ typedef struct sweeping {
   double tolerance;
   bool speeds; /* which level of the impacts */
   bool moved;  /* something was moved by more than the tolerance */
+  bool exact;  /* what was solved together last is solved to less than the tolerance */
   int failed;  /* Newton's iterations at this level */
 } sweeping;
 
@@ -181,16 +184,23 @@ static bool all_rest(const sweeping *w) {
   return true;
 }
 
-static hk_status newton(const sweeping *w, bool *solved) {
+static hk_status solve_together(sweeping *w, const hk_body_newton_task *task, bool *solved) {
+  const double *at = w->speeds ? w->move->x : w->bodies->start;
+  hk_status status = hk_solid_newton(w->bodies, w->solver, task, at, solved);
+  w->exact = *solved;
+  return status == HK_OK && !*solved ? hk_body_newton(w->bodies, w->solver, task, solved) : status;
+}
+
+static hk_status newton(sweeping *w, bool *solved) {
   const hk_body_newton_task task = {w->speeds, all_rest(w), w->tolerance / 2, w->y};
-  return hk_body_newton(w->bodies, w->solver, &task, solved);
+  return solve_together(w, &task, solved);
 }
 
 /* What sweeps leave would add up to a creep of what lies still: Newton's iteration leaves less, where it gets there. */
-static hk_status polish(const sweeping *w) {
+static hk_status polish(sweeping *w) {
   const hk_body_newton_task task = {w->speeds, false, polished * w->tolerance, w->y};
   bool solved;
-  return all_rest(w) && !w->bodies->moments ? hk_body_newton(w->bodies, w->solver, &task, &solved) : HK_OK;
+  return !w->exact && all_rest(w) && !w->bodies->moments ? solve_together(w, &task, &solved) : HK_OK;
 }
 
 static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
@@ -205,6 +215,7 @@ static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
 static hk_status sweep_all(sweeping *w, size_t *sweeps) {
   hk_status status = HK_OK;
   *sweeps = 0;
+  w->exact = false;
   do {
     status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
     bool solved = false;
@@ -339,7 +350,7 @@ static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
 hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_step_move *m,
                                hk_gauss_seidel_result *done) {
   hk_contact_solver solver = *given;
-  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false, 0};
+  sweeping w = {s, &solver, m, m->x, solver.tolerance, false, false, false, 0};
   *done = (hk_gauss_seidel_result){0};
   hk_status status = linearise(s, m);
   if (status == HK_OK) status = make_room(s, given);

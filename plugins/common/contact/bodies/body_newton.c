@@ -210,24 +210,12 @@ static bool iterate_from_cones(const newton *w, double tolerance, double *room) 
 
 /* ---- all ---- */
 
-static void take_over(const newton *w, double *y) {
-  const hk_body_impacts *s = w->bodies;
+static void take_over(const newton *w, hk_contact_solver *solver, double *y) {
   for (size_t k = 0; k < w->count; k++) {
-    hk_impact *impact = &w->solver->impact[w->impact[k]];
-    hk_impact_level *level = w->speeds ? &impact->speed : &impact->place;
-    const hk_body_response *r = &s->response[w->impact[k]];
-    double change[3] = {0, 0, 0}, slide[3] = {0, 0, 0};
-    for (size_t a = 0; a < unknowns_of(w, k); a++) {
-      size_t i = w->first[k] + a;
-      hk_add_scaled(change, w->z[i] - w->z_0[i], w->axis + 3 * i);
-      if (a > 0) hk_add_scaled(slide, w->z[i], w->axis + 3 * i);
-    }
-    level->push = fmax(0, w->z[w->first[k]]);
-    hk_copy(level->slide, slide);
-    for (size_t j = r->first; j < r->first + r->count; j++) {
-      for (size_t c = 0; c < 3; c++) y[3 * (size_t)s->particle[j] + c] += hk_dot(s->block[j] + 3 * c, change);
-      w->solver->moved[s->particle[j]] = w->solver->touched[s->particle[j]] = w->solver->now;
-    }
+    size_t i = w->first[k];
+    double slide[3] = {0, 0, 0};
+    for (size_t a = 1; a < unknowns_of(w, k); a++) hk_add_scaled(slide, w->z[i + a], w->axis + 3 * (i + a));
+    hk_body_impulse_set(w->bodies, solver, w->impact[k], w->speeds, w->z[i], slide, y);
   }
 }
 
@@ -252,6 +240,6 @@ hk_status hk_body_newton(hk_body_impacts *s, hk_contact_solver *solver, const hk
   for (size_t k = 0; k < w.count; k++) find_columns(&w, k);
   *solved = iterate(&w, task->tolerance);
   if (!*solved && task->rest) *solved = iterate_from_cones(&w, task->tolerance, w.axis + 3 * w.size);
-  if (*solved) take_over(&w, task->y);
+  if (*solved) take_over(&w, solver, task->y);
   return HK_OK;
 }

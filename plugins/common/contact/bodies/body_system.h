@@ -5,6 +5,7 @@
 #include "core/plugin.h"
 #include "plugins/common/contact/bodies/body_arms.h"
 #include "plugins/common/contact/bodies/body_moments.h"
+#include "plugins/common/cones/solid_program.h"
 #include "plugins/common/contact/impulses/gauss_seidel.h"
 
 /* How the particles of an impact respond to an impulse on it. */
@@ -47,6 +48,9 @@ typedef struct hk_body_impacts {
   double *matrix;     /* for Newton's iteration */
   size_t matrix_room;
   size_t *unknown, unknown_room;
+  hk_solid_program program; /* solid_newton.c */
+  struct hk_solid_frame *frame;
+  size_t frame_room;
   struct hk_face_contact *face; /* face_contacts.c */
   size_t *chain, face_room, chain_room;
 } hk_body_impacts;

@@ -221,3 +221,19 @@ hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *sol
   r->known = status == HK_OK;
   return status;
 }
+
+void hk_body_impulse_set(const hk_body_impacts *s, hk_contact_solver *solver, size_t e, bool speeds, double push,
+                         const double slide[3], double *y) {
+  hk_impact *k = &solver->impact[e];
+  hk_impact_level *level = speeds ? &k->speed : &k->place;
+  const hk_body_response *r = &s->response[e];
+  double change[3];
+  hk_subtract(change, slide, level->slide);
+  hk_add_scaled(change, push - level->push, k->frame.n);
+  level->push = fmax(0, push);
+  hk_copy(level->slide, slide);
+  for (size_t j = r->first; j < r->first + r->count; j++) {
+    for (size_t c = 0; c < 3; c++) y[3 * (size_t)s->particle[j] + c] += hk_dot(s->block[j] + 3 * c, change);
+    solver->moved[s->particle[j]] = solver->touched[s->particle[j]] = solver->now;
+  }
+}

@@ -12,4 +12,8 @@ hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, co
 void hk_body_relative(const hk_body_impacts *, const hk_contact_solver *, size_t e, const hk_impact_level *,
                       const double *y, double out[3]);
 
+/* Gives impact e these impulses in place of those that it has, along n and across it, and y what they change. */
+void hk_body_impulse_set(const hk_body_impacts *, hk_contact_solver *, size_t e, bool speeds, double push,
+                         const double slide[3], double *y);
+
 #endif

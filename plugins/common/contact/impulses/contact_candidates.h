@@ -51,7 +51,7 @@ typedef enum hk_candidate_kind {
 hk_status hk_contact_candidates_impacts(hk_contact_candidates *, const hk_step_move *, hk_candidate_kind,
                                         hk_contact_solver *);
 /* After the solution for HK_CANDIDATES_ALL: records the pairs with a positive impulse, and those beyond the solver's
- * count, which others have stood for (contact/bodies/face_contacts.h). */
+ * count, which others have stood for (contact/faces/face_contacts.h). */
 void hk_contact_candidates_remember(hk_contact_candidates *, const hk_contact_solver *);
 /* Whether a candidate enters its gap (narrow_phase.h) on the present move after the solver moved one of its particles,
  * later than the count `since` of hk_contact_solver.now: a second impact in the step, which a straight move misses. */

@@ -31,7 +31,7 @@ static void release_scratch(builder *b) {
 }
 
 void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
-  void *memory[] = {l->point, l->edge, l->edge_faces, l->triangle, l->part, l->radius, l->in_triangle};
+  void *memory[] = {l->point, l->edge, l->edge_faces, l->triangle, l->part, l->radius, l->solid, l->in_triangle};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   *l = (hk_surface_lists){0};
 }
@@ -53,6 +53,7 @@ static bool reserve(builder *b) {
   l->point = host->allocate(host, n * sizeof *b->lists->point);
   l->part = host->allocate(host, n * sizeof *b->lists->part);
   l->radius = host->allocate(host, n * sizeof *b->lists->radius);
+  l->solid = host->allocate(host, n * sizeof *b->lists->solid);
   l->mesh.point = l->point;
   l->mesh.edge = (const uint32_t(*)[2])l->edge;
   l->mesh.edge_faces = (const uint32_t(*)[2])l->edge_faces;
@@ -60,7 +61,7 @@ static bool reserve(builder *b) {
   l->mesh.part = l->part;
   l->mesh.radius = l->radius;
   return b->in_triangle && b->in_strand && b->place && b->sides && b->spare && b->lists->triangle && b->lists->edge &&
-         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius;
+         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius && b->lists->solid;
 }
 
 /* ---- sides ---- */
@@ -223,6 +224,19 @@ static void find_radii(builder *b) {
   }
 }
 
+/* ---- rigid bodies ---- */
+
+/* Their surfaces, and what has a radius of its own. */
+static void take_solids(builder *b) {
+  const hk_model *m = b->view->model;
+  for (size_t i = 0; i < b->view->n; i++) b->lists->solid[i] = UINT32_MAX;
+  for (size_t k = 0; k < m->riders; k++) {
+    const hk_rider *r = &m->rider[k];
+    if (r->touches) b->lists->solid[r->particle] = r->carrier[0];
+    if (r->touches && r->radius > 0) b->lists->radius[r->particle] = r->radius;
+  }
+}
+
 /* ---- all ---- */
 
 static hk_status build(builder *b) {
@@ -236,6 +250,7 @@ static hk_status build(builder *b) {
   take_points(b);
   number_parts(b);
   find_radii(b);
+  take_solids(b);
   return HK_OK;
 }
 

@@ -8,6 +8,7 @@ typedef struct hk_surface_lists {
   hk_surface_mesh mesh; /* of the arrays below; `number` is left to the caller */
   uint32_t *point, (*edge)[2], (*edge_faces)[2], (*triangle)[3], *part;
   double *radius;
+  uint32_t *solid;      /* n: the first carrier of the rigid body whose surface it is of; UINT32_MAX: none */
   size_t surface_edges; /* edges of triangles, the first ones of the mesh; those of strands follow. Both are in */
   size_t strand_edges;  /* the order of their particles, the lower one first */
   bool *in_triangle;    /* n: a particle of a triangle, be it left out or not */

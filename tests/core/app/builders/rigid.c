@@ -57,6 +57,38 @@ static void surfaces_are_points_of_bodies(void **state) {
                "--quiet", 1, "this body has no triangles: name points of it");
 }
 
+/* The faces of a box of 1 x 2 x 3 are a radius of 0.2 further inside. */
+static void a_radius_moves_triangles_inwards(void **state) {
+  (void)state;
+  const char *box =
+      "local b = scene:rigid { shape = 'box', size = {1, 2, 3}, mass = 12 }\nlocal f = b:surface { radius = 0.2 }\n"
+      "local function far(s, c) local most = 0\nfor _, i in ipairs(f:ids()) do most = math.max(most, "
+      "math.abs(s:position(i)[c])) end\nreturn most end";
+  near(measured(box, "far(s, 1) + 10 * far(s, 2) + 100 * far(s, 3)"), 0.3 + 8 + 130, 1e-12);
+}
+
+static void wrong_radii_are_refused(void **state) {
+  (void)state;
+  static const struct {
+    const char *call, *says;
+  } wrong[] = {{"{ radius = 0.5 }", "it is half of the body's least extent or more: make it smaller"},
+               {"{ radius = 0 }", "radius: 0 m is not above 0"},
+               {"{ radios = 1 }", "did you mean 'radius'?"},
+               {"({ {0, 0, 0} }, { radius = 0.1, joined = true })", "joined: 1 point has nothing to be joined with"}};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    char scene[512];
+    snprintf(
+        scene, sizeof scene,
+        "local scene = hooke.scene {}\nscene:rigid { shape = 'box', size = 1, mass = 1 }:surface%s\nreturn scene\n",
+        wrong[k].call);
+    test_refused(scene, "--quiet", 1, wrong[k].says);
+  }
+  test_refused(
+      "local scene = hooke.scene {}\nscene:rigid { shape = 'sphere', radius = 1, mass = 1 }:surface { radius = "
+      "0.1 }\nreturn scene\n",
+      "--quiet", 1, "it is for boxes and other bodies with three planes at each corner");
+}
+
 static void parts_are_one_body(void **state) {
   (void)state;
   const char *halves =
@@ -139,6 +171,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(shapes_have_their_mass_and_moments),
       cmocka_unit_test(surfaces_are_points_of_bodies),
+      cmocka_unit_test(a_radius_moves_triangles_inwards),
+      cmocka_unit_test(wrong_radii_are_refused),
       cmocka_unit_test(parts_are_one_body),
       cmocka_unit_test(orientations_mean_the_same_in_three_forms),
       cmocka_unit_test(motions_are_read_as_they_were_given),

@@ -14,7 +14,7 @@
 static test_result r;
 
 static void run(double duration, const char *text) {
-  static char scene[4096];
+  static char scene[8192];
   snprintf(scene, sizeof scene,
            "local scene = hooke.scene { duration = %g, fps = 50, integrator = 'leapfrog', dt = 2e-3 }\n"
            "local abs, g, R, rho, sigma = math.abs, 9.81, 0.1, 2e-3, 1e-3\n"
@@ -95,12 +95,60 @@ static void a_table_that_turns_takes_a_ball_along(void **state) {
   small("spin", 1e-6);
 }
 
+/* Bodies with radii of their own, whatever that of contact. A capsule on its side that slides rolls at v/(1 + I/(m
+ * R^2)), I about its axis; a box with round edges lies on its faces. */
+static const char shapes[] =
+    "scene:body { shape = 'box', size = {6, 6, 0.2}, position = {0, 0, -0.1} }\n"
+    "scene:force('gravity', { g = {0, 0, -g} })\n"
+    "local ball = scene:rigid { shape = 'sphere', radius = 0.05, mass = 2, position = {0, 0, 0.05}, velocity = {1, 0, "
+    "0} }\n"
+    "ball:surface({ {0, 0, 0} }, { radius = 0.05 })\n"
+    "local pill = scene:rigid { shape = 'capsule', radius = R, length = 0.4, mass = 2, position = {0, 1, R}, velocity "
+    "= "
+    "{1, 0, 0}, orientation = {math.pi / 2, 0, 0} }\n"
+    "local ends = pill:surface({ {0, 0, -0.2}, {0, 0, 0.2} }, { radius = R, joined = true })\n"
+    "local box = scene:rigid { shape = 'box', size = 0.2, mass = 2, position = {0, -1, 0.1} }\n"
+    "box:surface { radius = 0.03 }\n"
+    "local I = math.min(table.unpack(pill.inertia))\n"
+    "measure('ball', function(s) return ball:velocity(s)[1] - 5 / 7 end)\n"
+    "measure('pill', function(s) return pill:velocity(s)[1] - 1 / (1 + I / (2 * R^2)) end)\n"
+    "measure('box', function(s) return box:position(s)[3] - 0.1 end)\n"
+    "measure('sinks', function(s) return ball:position(s)[3] - 0.05 + pill:position(s)[3] - R end)\n";
+
+static void expect_shapes(void) {
+  small("ball", 1e-7);
+  small("pill", 1e-6);
+  small("box", 1e-6);
+  small("sinks", 1e-6);
+}
+
+static void round_bodies_have_radii_of_their_own(void **state) {
+  char text[4096];
+  (void)state;
+  snprintf(text, sizeof text, "%sscene:corrector('contact', { friction = 0.3 })\n", shapes);
+  run(0.3, text);
+  expect_shapes();
+  assert_true(test_json(r.out, "intersections") == 0);
+}
+
+/* The same radii hold against obstacles, which take what edges name. */
+static void obstacles_know_the_radii(void **state) {
+  char text[4096];
+  (void)state;
+  snprintf(text, sizeof text, "%sscene:corrector('obstacle', { friction = 0.3, edges = { ends } })\n",
+           strchr(shapes, '\n') + 1);
+  run(0.3, text);
+  expect_shapes();
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_ball_is_slowed_by_rolling_and_spinning_friction),
       cmocka_unit_test(a_ball_rolls_to_rest),
       cmocka_unit_test(two_balls_share_the_spin_about_their_normal),
       cmocka_unit_test(a_table_that_turns_takes_a_ball_along),
+      cmocka_unit_test(round_bodies_have_radii_of_their_own),
+      cmocka_unit_test(obstacles_know_the_radii),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

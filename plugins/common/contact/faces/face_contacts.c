@@ -1,7 +1,7 @@
 /* See face_contacts.h. Impacts are sorted by the two bodies; those of a pair whose normals are nearly the same are a
  * patch. Three places of it that are far apart give the affine functions, which all others have to obey, and Andrew's
  * monotone chain the hull (Andrew 1979, Inf. Process. Lett. 9, 216). */
-#include "plugins/common/contact/bodies/face_contacts.h"
+#include "plugins/common/contact/faces/face_contacts.h"
 #include "plugins/common/contact/bodies/body_contact_law.h"
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"

@@ -1,0 +1,176 @@
+/* See solid_program.h. Newton's iteration, (1 + J^T P' J/R) dw = -(w - J^T P/R), with a search for the least f along
+ * dw, finds the optimum from anywhere; f is nearly quadratic in pieces, so that it ends in the piece of the optimum. */
+#include "plugins/common/cones/solid_program.h"
+#include "plugins/common/cones/cone_program.h"
+#include "plugins/common/space/reserve.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROUNDS = 60, SLIDES = 8 /* programs */, SEARCHES = 40 };
+
+/* R over the mobility; of the largest u, what rounding leaves of a change. */
+static const double regular = 1e-7, rounding = 1e-14;
+
+hk_status hk_solid_program_open(hk_solid_program *p, const hk_host *host) {
+  p->host = p->matrix.host = host;
+  p->solvers = host->query(host, "solvers/1");
+  if (!p->solvers) return host->fail(host, HK_FAILED, "the host has no service solvers/1: take a newer hooke");
+  return p->solvers->open(p->solvers->self, host, NULL, 0, &p->linear);
+}
+
+hk_status hk_solid_program_reserve(hk_solid_program *p, size_t solids, size_t impacts) {
+  size_t size = HK_SOLID_ROWS * solids;
+  hk_status status = hk_reserve(p->host, &p->impact, &p->impact_room, impacts, sizeof *p->impact);
+  if (status == HK_OK) status = hk_reserve(p->host, &p->w, &p->w_room, size, sizeof *p->w);
+  if (status == HK_OK) status = hk_reserve(p->host, &p->rhs, &p->rhs_room, size, sizeof *p->rhs);
+  return status == HK_OK ? hk_reserve(p->host, &p->dw, &p->dw_room, size, sizeof *p->dw) : status;
+}
+
+static size_t unknowns(const hk_solid_impact *k) { return k->mu > 0 ? 3 : 1; }
+
+/* out = J w */
+static void relative(const hk_solid_impact *k, const double *w, double out[3]) {
+  for (size_t r = 0; r < 3; r++) out[r] = 0;
+  for (int side = 0; side < 2; side++) {
+    if (k->sides.solid[side] == UINT32_MAX) continue;
+    const double *of = w + HK_SOLID_ROWS * (size_t)k->sides.solid[side];
+    for (size_t r = 0; r < unknowns(k); r++)
+      for (int c = 0; c < HK_SOLID_ROWS; c++) out[r] += k->sides.J[side][r][c] * of[c];
+  }
+}
+
+/* w += factor J^T z */
+static void push(const hk_solid_impact *k, double factor, const double z[3], double *w) {
+  for (int side = 0; side < 2; side++) {
+    if (k->sides.solid[side] == UINT32_MAX) continue;
+    double *of = w + HK_SOLID_ROWS * (size_t)k->sides.solid[side];
+    for (size_t r = 0; r < unknowns(k); r++)
+      for (int c = 0; c < HK_SOLID_ROWS; c++) of[c] += factor * k->sides.J[side][r][c] * z[r];
+  }
+}
+
+/* u at w, P of it, the matrix and the right-hand side. */
+static void linearise(hk_solid_program *p) {
+  size_t size = HK_SOLID_ROWS * p->solids;
+  for (size_t i = 0; i < size; i++) p->rhs[i] = -p->w[i];
+  hk_solid_matrix_clear(&p->matrix);
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    double J[9], R = regular * k->mobility;
+    relative(k, p->w, k->u);
+    for (size_t r = 0; r < unknowns(k); r++) k->u[r] += k->u_0[r] + (r == 0 ? k->slide : 0);
+    hk_cone_project(k->u, unknowns(k), k->mu, k->P, J);
+    push(k, 1 / R, k->P, p->rhs);
+    for (int c = 0; c < 9; c++) J[c] /= R;
+    if (k->P[0] != 0) hk_solid_matrix_add(&p->matrix, &k->sides, J);
+  }
+}
+
+/* The derivative of f at w + t dw, along dw. */
+static double slope(const hk_solid_program *p, double t) {
+  double sum = 0;
+  for (size_t i = 0; i < HK_SOLID_ROWS * p->solids; i++) sum += p->dw[i] * (p->w[i] + t * p->dw[i]);
+  for (size_t e = 0; e < p->impacts; e++) {
+    const hk_solid_impact *k = &p->impact[e];
+    double u[3], P[3];
+    for (size_t r = 0; r < unknowns(k); r++) u[r] = k->u[r] + t * k->du[r];
+    hk_cone_project(u, unknowns(k), k->mu, P, NULL);
+    for (size_t r = 0; r < unknowns(k); r++) sum -= k->du[r] * P[r] / (regular * k->mobility);
+  }
+  return sum;
+}
+
+/* How far to go along dw: f is least there. */
+static double length_of_step(const hk_solid_program *p) {
+  double low = 0, high = 1, start = slope(p, 0);
+  if (slope(p, 1) <= 1e-9 * fabs(start)) return 1;
+  for (int k = 0; k < SEARCHES; k++) {
+    double middle = (low + high) / 2;
+    if (slope(p, middle) > 0)
+      high = middle;
+    else
+      low = middle;
+  }
+  return (low + high) / 2;
+}
+
+/* Returns the largest change of u by the whole step. */
+static double find_changes(hk_solid_program *p) {
+  double most = 0;
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    relative(k, p->dw, k->du);
+    for (size_t r = 0; r < unknowns(k); r++) most = fmax(most, fabs(k->du[r]));
+  }
+  return most;
+}
+
+/* z = P(-u)/R is known to the tolerance where u is to a part R of it, or to rounding. */
+static double finest_change(const hk_solid_program *p, double tolerance) {
+  double most = 0;
+  for (size_t e = 0; e < p->impacts; e++)
+    for (size_t r = 0; r < unknowns(&p->impact[e]); r++) most = fmax(most, fabs(p->impact[e].u_0[r]));
+  return fmax(regular * tolerance, rounding * most);
+}
+
+static hk_status solve_program(hk_solid_program *p, double tolerance, bool *solved) {
+  double finest = finest_change(p, tolerance);
+  *solved = false;
+  for (int round = 0; round < ROUNDS && !*solved; round++) {
+    linearise(p);
+    hk_status status = p->solvers->factorize(p->linear, &p->matrix.A);
+    if (status == HK_OK) status = p->solvers->solve(p->linear, p->rhs, p->dw, NULL);
+    if (status != HK_OK) return status;
+    double most = find_changes(p), t = length_of_step(p);
+    if (!isfinite(most)) return HK_OK;
+    for (size_t i = 0; i < HK_SOLID_ROWS * p->solids; i++) p->w[i] += t * p->dw[i];
+    *solved = most <= finest;
+  }
+  return HK_OK;
+}
+
+/* z = P(-u)/R of the program that w solves. */
+static void find_impulses(hk_solid_program *p) {
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    relative(k, p->w, k->u);
+    for (size_t r = 0; r < unknowns(k); r++) k->u[r] += k->u_0[r] + (r == 0 ? k->slide : 0);
+    hk_cone_project(k->u, unknowns(k), k->mu, k->P, NULL);
+    for (size_t r = 0; r < 3; r++) k->z[r] = r < unknowns(k) ? k->P[r] / (regular * k->mobility) : 0;
+  }
+}
+
+/* The next program's mu |u_t|. Returns the largest change. */
+static double slide_on(hk_solid_program *p) {
+  double most = 0;
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    relative(k, p->w, k->u);
+    double u = k->u[1] + k->u_0[1], v = k->u[2] + k->u_0[2], next = k->mu > 0 ? k->mu * sqrt(u * u + v * v) : 0;
+    most = fmax(most, fabs(next - k->slide));
+    k->slide = next;
+  }
+  return most;
+}
+
+hk_status hk_solid_program_solve(hk_solid_program *p, double tolerance, bool *solved) {
+  hk_status status = hk_solid_matrix_shape(&p->matrix, p->solids, p->impact, p->impacts, sizeof *p->impact);
+  *solved = false;
+  if (status != HK_OK) return status;
+  memset(p->w, 0, HK_SOLID_ROWS * p->solids * sizeof *p->w);
+  for (size_t e = 0; e < p->impacts; e++) push(&p->impact[e], 1, p->impact[e].z, p->w);
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    relative(k, p->w, k->u);
+    for (int r = 0; r < 3; r++) k->u_0[r] -= k->u[r];
+    k->slide = 0;
+  }
+  for (int round = 0; round < SLIDES; round++) {
+    status = solve_program(p, tolerance, solved);
+    if (status != HK_OK || !*solved) break;
+    find_impulses(p);
+    if (slide_on(p) <= tolerance) break;
+  }
+  return status;
+}

@@ -1,0 +1,63 @@
+/* Many impacts of rigid bodies at once: a pyramid lies still that sweeps alone leave in motion. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void run(const char *joined) {
+  static char scene[4096];
+  snprintf(scene, sizeof scene,
+           "local a, thick, N = 0.1, 2e-3, 8\n"
+           "local scene = hooke.scene { duration = 0.012, fps = 500, dt = 2e-3, integrator = 'leapfrog' }\n"
+           "scene:force('gravity', { g = {0, 0, -9.81} })\n"
+           "scene:body { shape = 'box', size = {4, 2, 0.2}, position = {0, 0, -0.1} }\n"
+           "local list = {}\n"
+           "for k = 1, N do for j = 1, N + 1 - k do\n"
+           "  local b = scene:rigid { shape = 'box', size = a, mass = 1, position = {(j + k / 2) * 1.05 * a, 0, "
+           "(a + thick) * (k - 0.5) } }\n"
+           "  b:surface()\n  list[#list + 1] = b\n"
+           "end end\n%s"
+           "scene:corrector('contact', { thickness = thick, friction = 0.5 })\n"
+           "scene:measure('speed', function(s) local most = 0\n"
+           "  for _, b in ipairs(list) do for c = 1, 3 do most = math.max(most, math.abs(b:velocity(s)[c])) end end\n"
+           "  return most end)\n"
+           "return scene\n",
+           joined);
+  test_write("pyramid.lua", scene);
+  test_hooke(&r, NULL, "run pyramid.lua --json --quiet --no-output");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  assert_true(test_json(r.out, "intersections") == 0);
+}
+
+/* 144 impacts with three unknowns each. 1e-7 of the mobility and the weight on it leave 1e-7 g h times the layers. */
+static void a_pyramid_of_thirty_six_lies_still(void **state) {
+  (void)state;
+  run("");
+  double speed = test_json(r.out, "speed");
+  print_message("speed %.3g m/s\n", speed);
+  assert_true(speed < 2e-7);
+}
+
+/* A body on a joint does not answer as a free one does, and is left to the other solution. */
+static void a_box_on_a_joint_stays_on_it(void **state) {
+  (void)state;
+  run("scene:joint { kind = 'ball', a = list[#list], at = {0.525, 0, 0.9} }\n");
+  assert_true(strstr(r.out, "\"verdict\":\"ok\"") != NULL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_pyramid_of_thirty_six_lies_still),
+      cmocka_unit_test(a_box_on_a_joint_stays_on_it),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
