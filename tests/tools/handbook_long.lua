@@ -36,7 +36,9 @@ assert(read(place .. "/1-particle.html"):find("height%s+%-0%.905"))
 local way = tonumber(read(place .. "/2-forces.html"):match("\n  way +(%d[%d.]+)"))
 assert(math.abs(way - 6 * (1 - math.exp(-0.5))) < 2e-3, way)
 local errors = {}
-for value in read(place .. "/3-steps.html"):gmatch("\n  error +([%d.e+-]+) m RMS against the exact") do errors[#errors + 1] = tonumber(value) end
+for value in read(place .. "/3-steps.html"):gmatch("\n  error +([%d.e+-]+) m RMS against the exact") do
+  errors[#errors + 1] = tonumber(value)
+end
 assert(#errors == 5 and errors[1] > 10 * errors[3] and math.abs(errors[4] / errors[5] - 16) < 2, table.concat(errors, ", "))
 assert(not read(place .. "/4-string.html"):find("verdict%s+inaccurate"))
 
