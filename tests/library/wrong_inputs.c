@@ -71,7 +71,6 @@ static void scenes(void) {
   opening(NULL, NULL, "return 1 +", HOOKE_SCRIPT, "ball.lua:1");
   opening(NULL, NULL, "", HOOKE_SCRIPT, "returned no scene");
   opening(NULL, NULL, "return hooke.scene {}", HOOKE_BAD_PARAM, "the scene is empty");
-  opening(NULL, NULL, "while true do end", HOOKE_SCRIPT, "endless loop");
 }
 
 /* Calls of a frame function that would take the run along. */
