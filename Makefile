@@ -6,6 +6,7 @@
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make lib        libhooke.so, for C (core/app/hooke/hooke.h) and Python
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
+# make docs       the handbook, build/docs/index.html: its lessons are run
 # make wheel      a wheel for Python with the program and its plugins, in build/wheel (tools/python)
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
 #                 arm64 under emulation (as root, minutes)
@@ -155,7 +156,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb wheel test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb docs wheel test-long
 
 all: build
 build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
@@ -365,6 +366,7 @@ install: build
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)
+	$B/hooke docs --manual $B/hooke-scene.7.$(make_id) && install -D -m 644 $B/hooke-scene.7.$(make_id) $(to)/share/man/man7/hooke-scene.7 && rm $B/hooke-scene.7.$(make_id)
 	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
 
 deb:
@@ -372,6 +374,11 @@ deb:
 	rm -rf $B/deb && mkdir -p $B/deb
 	$(again) install DESTDIR=$(CURDIR)/$B/deb/hooke PREFIX=/usr >$B/deb/install.log
 	tools/package $B/deb $(version)
+
+docs:
+	@$(WITH_CC) tools/install-deps run
+	$(again) build
+	@$B/hooke docs $B/docs --quiet && echo "$B/docs/index.html"
 
 wheel:
 	@$(WITH_CC) tools/install-deps run

@@ -1,6 +1,7 @@
 -- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local lfs = require("lfs")
 local plugin_entry = require("common.handbook.plugin_entry")
 local reference = require("common.handbook.reference")
 
@@ -28,8 +29,15 @@ local function takers(word, plugins)
   return lines
 end
 
+local function commands()
+  local names = { "run" }
+  for file in lfs.dir(hooke.folder) do names[#names + 1] = file:match("^([%a_]+)%.lua$") end
+  return names
+end
+
 local function unknown(word, plugins)
-  local names = {}
+  local command, names = hooke.nearest(word, commands()), {}
+  if command then return command_line.complain("help", ("unknown command '%s'; did you mean '%s'?"):format(word, command)) end
   local function add(name, rows)
     names[#names + 1] = name
     for _, row in ipairs(rows or {}) do names[#names + 1] = row.name end

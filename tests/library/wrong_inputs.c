@@ -41,6 +41,7 @@ static void descriptions(void) {
   expect(run, hooke_option(run, NULL, "1"), HOOKE_BAD_PARAM, "name of the option is missing");
   expect(run, hooke_option(run, "json", NULL), HOOKE_BAD_PARAM, "option of the command line");
   expect(run, hooke_option(run, "watch", NULL), HOOKE_BAD_PARAM, "option of the command line");
+  expect(run, hooke_option(run, "port", "3"), HOOKE_BAD_PARAM, "option of the command line");
   expect(run, hooke_parameter(run, "--dt", "1"), HOOKE_BAD_PARAM, "no name of a parameter");
   expect(run, hooke_parameter(run, "a=b", "1"), HOOKE_BAD_PARAM, "an argument of its own");
   expect(run, hooke_parameter(run, "a", NULL), HOOKE_BAD_PARAM, "is NULL");
@@ -70,7 +71,6 @@ static void scenes(void) {
   opening(NULL, NULL, "return 1 +", HOOKE_SCRIPT, "ball.lua:1");
   opening(NULL, NULL, "", HOOKE_SCRIPT, "returned no scene");
   opening(NULL, NULL, "return hooke.scene {}", HOOKE_BAD_PARAM, "the scene is empty");
-  opening(NULL, NULL, "while true do end", HOOKE_SCRIPT, "endless loop");
 }
 
 /* Calls of a frame function that would take the run along. */

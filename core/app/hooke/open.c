@@ -113,12 +113,12 @@ static hooke_status check_option(hooke_run *run, const char *name) {
   char scene[] = "scene", *words[] = {scene, run->word[run->words - 1]};
   hk_options o;
   hk_error error = {0};
-  const char *instead = NULL;
-  if (hk_options_parse(&o, 2, words, &error) == HK_OK) instead = refused(&o);
+  hk_status status = hk_options_parse(&o, 2, words, &error);
+  const char *instead = refused(&o);
   free(o.given);
   free(o.with);
-  if (instead) hk_error_set(&error, HK_BAD_PARAM, "'%s' is an option of the command line: %s", name, instead);
-  return hooke_failed(run, &error);
+  if (instead) return hooke_fail(run, HK_BAD_PARAM, "'%s' is an option of the command line: %s", name, instead);
+  return status == HK_OK ? HOOKE_OK : hooke_failed(run, &error);
 }
 
 hooke_status hooke_option(hooke_run *run, const char *name, const char *value) {

@@ -82,22 +82,25 @@ return scene
 
 
 class Errors(unittest.TestCase):
-    def refused(self, kind, sentence, options=None, **scene):
-        for inside in (False, True):
-            with self.assertRaises(kind) as caught:
-                hooke.Scene(**scene).run(in_process=inside, **(options or {}))
-            self.assertIn(sentence, str(caught.exception))
-            self.assertNotIn("\n", str(caught.exception))
+    def refused(self, kind, sentence, *path, options=None, **scene):
+        with self.assertRaises(kind) as caught:
+            hooke.Scene(*path, **scene).run(**{"in_process": True, **(options or {})})
+        self.assertIn(sentence, str(caught.exception))
+        self.assertNotIn("\n", str(caught.exception))
 
     def test_the_engines_sentences(self):
-        self.refused(hooke.FileError, "cannot read the scene no_such.lua", path="no_such.lua")
+        self.refused(hooke.FileError, "cannot read the scene no_such.lua", "no_such.lua")
         self.refused(hooke.ScriptError, "scene.lua:1", text="return 1 +")
-        self.refused(hooke.ParameterError, "did you mean '--accuracy'", {"accurcy": 1}, text=BALL)
+        self.refused(hooke.ScriptError, "scene.lua:1", text="return 1 +", options={"in_process": False})
+        self.refused(hooke.ParameterError, "did you mean '--accuracy'", options={"accurcy": 1}, text=BALL)
         self.refused(hooke.ParameterError, "-1 is below the minimum 0", text=BALL, z=-1)
 
     def test_what_is_no_value(self):
         with self.assertRaisesRegex(hooke.ParameterError, "z: a list is neither"):
             hooke.Scene(text=BALL, z=[1])
+        for scene in ({"text": BALL, "z": "9\0"}, {"text": "return 1\0"}):  # it would be cut off in C
+            with self.assertRaisesRegex(hooke.ParameterError, "no character 0"):
+                hooke.Scene(**scene)
         with self.assertRaisesRegex(hooke.ParameterError, "a file or a text"):
             hooke.Scene()
         with self.assertRaisesRegex(hooke.ParameterError, "no channel 'cold': the scene has heat"):
@@ -126,10 +129,17 @@ class Errors(unittest.TestCase):
 
 
 class Sweeps(unittest.TestCase):
+    def test_ctrl_c_ends_a_sweep(self):
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            hooke.sweep(hooke.Scene(text=ENDLESS), [{"z": z} for z in range(1, 5)], processes=2)
+
     def test_a_sweep_keeps_the_order_and_the_failures(self):
         runs = hooke.sweep(hooke.Scene(text=BALL), [{"z": 5}, {"z": -1}, {"z": 6}], processes=2)
         self.assertEqual([math.floor(flat(runs[k].positions)[2] * 1000 + 0.5) for k in (0, 2)], [95, 1095])
         self.assertIsInstance(runs[1], hooke.ParameterError)
+        again = hooke.sweep(hooke.Scene(text=BALL), [{}], with_=["force:gravity", "force:gravity"])  # three times g
+        self.assertAlmostEqual(flat(again[0].positions)[2], 9 - 3 * 9.81 / 2, delta=1e-9)
         with self.assertRaisesRegex(hooke.ParameterError, "leave in_process out"):
             hooke.sweep("x.lua", [{}], in_process=True)
 

@@ -49,12 +49,12 @@ class Scene:
     path: str
     text: Optional[str]
     parameters: Dict[str, str]
-    def __init__(self, path: Optional[Union[str, "PathLike[str]"]] = None, *, text: Optional[str] = None, **parameters: Value) -> None: ...
+    def __init__(self, path: Optional[Union[str, "PathLike[str]"]] = None, /, *, text: Optional[str] = None, **parameters: Value) -> None: ...
     def run(
-        self, *, on_frame: Optional[Callable[[Frame], Optional[bool]]] = None, in_process: bool = False, **options: Optional[Value]
+        self, *, on_frame: Optional[Callable[[Frame], Optional[bool]]] = None, in_process: bool = False, **options: Union[None, Value, List[Value]]
     ) -> Run: ...
 
 def sweep(
     scene: Union[str, "PathLike[str]", Scene], cases: Iterable[Mapping[str, Value]], *, processes: Optional[int] = None,
-    **options: Optional[Value]
+    **options: Union[None, Value, List[Value]]
 ) -> List[Union[Run, Error, MemoryError]]: ...

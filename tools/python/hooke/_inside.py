@@ -11,15 +11,15 @@ from ._library import LibraryRun
 
 @contextlib.contextmanager
 def _stops_at_ctrl_c(run):
-    """Python's own handler waits for the call in C to return; a thread hears of the signal and ends the run. Where the handler
-    runs at the border of a callback, what it raises is lost: it is raised here then."""
-    if threading.current_thread() is not threading.main_thread():
+    """Python's own handler waits for the call in C to return, and what it raised in a callback would be lost there: meanwhile a
+    thread hears of the signal and ends the run, and KeyboardInterrupt is raised behind it. Another handler stays."""
+    own = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if threading.current_thread() is not threading.main_thread() or not own:
         yield
         return
     heard = []
     hears, says = os.pipe()
     os.set_blocking(says, False)
-    before = signal.set_wakeup_fd(says, warn_on_full_buffer=False)
 
     def listen():
         for number in iter(lambda: os.read(hears, 1), b""):
@@ -29,14 +29,17 @@ def _stops_at_ctrl_c(run):
 
     thread = threading.Thread(target=listen, daemon=True)
     thread.start()
+    before = signal.set_wakeup_fd(says, warn_on_full_buffer=False)
+    signal.signal(signal.SIGINT, lambda _number, _frame: None)
     try:
         yield
     finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.set_wakeup_fd(before)
         os.close(says)
         thread.join()
         os.close(hears)
-    if heard and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if heard:
         raise KeyboardInterrupt
 
 

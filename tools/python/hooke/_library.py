@@ -95,12 +95,13 @@ class LibraryRun:
         return result.decode("utf-8", "replace") if isinstance(result, bytes) else result
 
     def describe(self, parameters, options, on_frame):
-        """Sets both; the status of the first that is wrong, or 0."""
-        for kind, values in (("parameter", parameters), ("option", options)):
-            for name, value in values.items():
-                status = self.call(kind, name, value)
-                if status:
-                    return status
+        """Sets parameters, {name: value}, and options, {name: [value, ...]}; the status of the first that is wrong, or 0."""
+        given = [("parameter", name, value) for name, value in parameters.items()]
+        given += [("option", name, value) for name, values in options.items() for value in values]
+        for kind, name, value in given:
+            status = self.call(kind, name, value)
+            if status:
+                return status
         if on_frame:
             self._frame = _FRAME(lambda _run, _context: on_frame())
             return self.call("on_frame", self._frame, None)

@@ -39,7 +39,8 @@ def make(scene, options, path):
     words = [_program(), "view", script, *(f"{name}={value}" for name, value in scene.parameters.items())]
     words += ["--page", page, "--out", str(folder / "run"), "--quiet"]
     words += ["--trust"] if "trust" in options else []
-    rest = [f"--{name}={value}" if value else f"--{name}" for name, value in options.items() if name not in ("trust", "out")]
+    rest = [f"--{name}={value}" if value else f"--{name}" for name, values in options.items() for value in values
+            if name not in ("trust", "out")]
     done = subprocess.run(words + (["--", *rest] if rest else []), capture_output=True, text=True, check=False)
     if not os.path.exists(page):
         raise _errors.Error(done.stderr.strip() or f"hooke view ended with code {done.returncode} and made no page")

@@ -32,8 +32,12 @@ class ProcessRun:
         try:
             self._commands.write(line + "\n")
             self._commands.flush()
-        except BrokenPipeError:
+        except (BrokenPipeError, ValueError):
             pass  # the process has ended; what it reported says why
+
+    def stop(self):
+        """The run ends at its next step; any thread may say so."""
+        self._say("stop")
 
     def block(self, what, name):
         """The array of that name as (memory, offset, numbers per particle, type)."""

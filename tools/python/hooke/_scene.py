@@ -9,25 +9,30 @@ from ._process import ProcessRun
 
 
 def _word(name, value):
-    """A value as the command line has it; None: a flag that is set."""
-    if value is True:
-        return "true"
-    if value is False:
-        return "false"
-    if isinstance(value, (str, int, float)):
-        return str(value)
+    """A value as the command line has it."""
     if hasattr(value, "item"):  # a number of numpy
-        return str(value.item())
-    raise _errors.ParameterError(f"{name}: a {type(value).__name__} is neither a number, a text nor a truth")
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if not isinstance(value, (str, int, float)):
+        raise _errors.ParameterError(f"{name}: a {type(value).__name__} is neither a number, a text nor a truth")
+    return _text(name, str(value))
+
+
+def _text(name, text):
+    if "\0" in text:
+        raise _errors.ParameterError(f"{name}: a text has no character 0, which would end it for the engine")
+    return text
 
 
 def _options(given):
-    """Keywords as options of `hooke run`: no_check=True is the flag --no-check, and None leaves one out."""
+    """Keywords as options of `hooke run`: no_check=True is the flag --no-check, None leaves one out, with_=[...] repeats --with."""
     options = {}
     for name, value in given.items():
         if value is None or value is False:
             continue
-        options[name.replace("_", "-")] = "" if value is True else _word(name, value)
+        values = value if isinstance(value, (list, tuple)) else [value]
+        options[name.rstrip("_").replace("_", "-")] = ["" if v is True else _word(name, v) for v in values]
     return options
 
 
@@ -135,11 +140,11 @@ class Run(State):
 class Scene:
     """A scene's script, in a file or as `text`, with values of its parameters."""
 
-    def __init__(self, path=None, *, text=None, **parameters):
+    def __init__(self, path=None, /, *, text=None, **parameters):
         if path is None and text is None:
             raise _errors.ParameterError("a scene has a file or a text: hooke.Scene(\"cloth.lua\"), hooke.Scene(text=\"...\")")
-        self.path = os.fspath(path) if path is not None else "scene.lua"
-        self.text = text
+        self.path = _text("the path", os.fspath(path)) if path is not None else "scene.lua"
+        self.text = text if text is None else _text("text", text)
         self.parameters = {name: _word(name, value) for name, value in parameters.items()}
 
     def run(self, *, on_frame=None, in_process=False, **options):
@@ -147,7 +152,10 @@ class Scene:
 
         on_frame(frame) is called at each frame; False stops the run, which then raises Interrupted. `in_process` copies
         nothing and starts no process, but a plugin that crashes takes the interpreter along."""
-        options = _options(options)
+        return self._run(InsideRun if in_process else ProcessRun, _options(options), on_frame, lambda source: None)
+
+    def _run(self, kind, options, on_frame, begun):
+        """begun(source) is told of the run before it takes steps."""
         table, waits = {"t": []}, on_frame is not None
 
         def frame(source, what):
@@ -157,7 +165,8 @@ class Scene:
             return on_frame(Frame(source, what)) if waits else None
 
         job = {"path": self.path, "text": self.text, "parameters": self.parameters, "options": options, "waits": waits}
-        source = (InsideRun if in_process else ProcessRun)(job, frame)
+        source = kind(job, frame)
+        begun(source)
         end = source.finish()
         run = Run(self, source, end, table, options) if "summary" in end else None
         if end["status"]:
@@ -176,14 +185,23 @@ def sweep(scene, cases, *, processes=None, **options):
     scene = scene if isinstance(scene, Scene) else Scene(scene)
     if options.pop("in_process", False):
         raise _errors.ParameterError("a sweep runs in processes of their own: leave in_process out")
-    options.setdefault("threads", 1)
+    options = _options({"threads": 1, **options})
+    sources = []
 
     def run(case):
-        one = Scene(scene.path, text=scene.text, **{**scene.parameters, **case})
         try:
-            return one.run(**options)
+            one = Scene(scene.path, text=scene.text, **{**scene.parameters, **case})
+            return one._run(ProcessRun, options, None, sources.append)
         except (_errors.Error, MemoryError) as error:
             return error
 
     with concurrent.futures.ThreadPoolExecutor(processes or os.cpu_count() or 1) as pool:
-        return list(pool.map(run, cases))
+        runs = [pool.submit(run, case) for case in cases]
+        try:
+            return [one.result() for one in runs]
+        except BaseException:  # Ctrl-C: none begins any more, and those under way end at their next step
+            for one in runs:
+                one.cancel()
+            for source in sources:
+                source.stop()
+            raise

@@ -1,0 +1,88 @@
+-- The language of scenes for editors: a file of annotations that Lua's language server reads (LuaCATS), so that scenes are
+-- completed and checked while they are written.
+local reference = require("common.handbook.reference")
+
+local annotations = {}
+
+local classes = { scene = "hooke.Scene", run = "hooke.Run", handle = "hooke.Handle", state = "hooke.State", rigid = "hooke.Rigid",
+  joint = "hooke.Joint" }
+
+-- The type of what an entry gives, by how its words begin.
+local types = {
+  { "^a scene", "hooke.Scene" }, { "^a run", "hooke.Run" }, { "^a state", "hooke.State" }, { "^a rigid body", "hooke.Rigid" },
+  { "^a joint", "hooke.Joint" }, { "^a handle", "hooke.Handle" }, { "^a function", "function" }, { "^its id", "integer" },
+  { "^an id", "integer" }, { "^a list of ids", "integer[]" }, { "^{", "number[]" }, { "^J$", "number" }, { "^kg$", "number" },
+  { "^s$", "number" }, { "^rad", "number" }, { "^m$", "number" }, { "^a text", "string" }, { "^a number$", "number" },
+}
+
+local function type_of(gives)
+  if not gives then return nil end
+  for _, k in ipairs(types) do
+    if gives:find(k[1]) then return k[2] end
+  end
+  return "any"
+end
+
+local function options_of(name) return "hooke." .. name:gsub("[^%w]+", "_") .. "_options" end
+
+-- The keys of the table that an entry takes, as a class of their own.
+local function options(entry, out)
+  out[#out + 1] = "---@class " .. options_of(entry.name)
+  for _, row in ipairs(entry.takes) do
+    if row.name ~= "CHANNEL" then
+      out[#out + 1] = ("---@field %s%s any # %s%s"):format(row.name, row.default == "required" and "" or "?",
+        row.unit ~= "-" and row.unit .. "; " or "", row.text)
+    end
+  end
+  out[#out + 1] = ""
+end
+
+-- The arguments between the parentheses of the form, by name; a table is `options`.
+local function arguments(entry)
+  local inside = entry.form:match("^[%w_:.]+%((.*)%)") or (entry.takes and "{}" or "")
+  inside = inside:gsub("%b{}", entry.takes and "options" or "place"):gsub("function%b() .- end", "f"):gsub("function%b().-end", "f")
+  local names = {}
+  for word in inside:gmatch("[^,]+") do
+    local name = word:match("[%a_][%w_]*") or "value"
+    if name == "or" or name == "end" or name == "function" then name = "value" end
+    names[#names + 1] = name == names[#names] and name .. "_2" or name
+  end
+  if entry.takes and names[#names] ~= "options" and not inside:find("options") then names[#names + 1] = "options" end
+  return names
+end
+
+local function method(entry, out)
+  local of, sign, name = entry.name:match("^(%w+)([:.])([%w_]+)$")
+  local owner = classes[of] or of
+  if of == "hooke" and not entry.form:find("[{(]") then return end
+  if sign == "." and of ~= "hooke" then return end -- fields stand in the class
+  out[#out + 1] = "--- " .. entry.text
+  local names = arguments(entry)
+  for k, argument in ipairs(names) do
+    local last = k == #names and argument == "options" and entry.takes
+    out[#out + 1] = ("---@param %s%s %s"):format(argument, k > 1 and "?" or "", last and options_of(entry.name) or "any")
+  end
+  local gives = type_of(entry.gives)
+  if gives then out[#out + 1] = "---@return " .. gives .. " # " .. entry.gives end
+  out[#out + 1] = ("function %s%s(%s) end\n"):format((of and of ~= "hooke" and owner:gsub("%.", "_") .. ":" or of and "hooke." or ""),
+    name or entry.name, table.concat(names, ", "))
+end
+
+function annotations.text()
+  local out = { "---@meta", "-- The language of hooke's scenes; made by `hooke docs`.", "", "hooke = {}", "" }
+  for _, entry in ipairs(reference.all()) do
+    if entry.takes then options(entry, out) end
+  end
+  local names = {}
+  for name in pairs(classes) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    out[#out + 1] = "---@class " .. classes[name]
+    if name == "state" then out[#out + 1] = "---@field t number # s\n---@field n integer # particles" end
+    out[#out + 1] = ("local %s = {}\n"):format(classes[name]:gsub("%.", "_"))
+  end
+  for _, entry in ipairs(reference.all()) do method(entry, out) end
+  return table.concat(out, "\n")
+end
+
+return annotations
