@@ -65,6 +65,9 @@ local function ready(o)
   if o.at and o.at > explained.duration then
     return nil, ("--at: %g s is after the scene's duration, %g s"):format(o.at, explained.duration)
   end
+  if #o.parameters > derivative.most then
+    return nil, ("--by: %d parameters, and %d at a time are possible"):format(#o.parameters, derivative.most)
+  end
   o.at = o.at or explained.duration
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
     seed = o.seed, without = o.without, ["until"] = 0 }
@@ -102,6 +105,10 @@ end
 local function find(o)
   local names, order = methods()
   local found = take(o, { compare = true })
+  if found.failed and o.way == "auto" and o.backwards and found.failed:find("no exact Jacobian", 1, true) then
+    o.backwards = false
+    found = take(o, { compare = true })
+  end
   if found.failed then
     local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ") or ""
     return nil, found.failed .. other

@@ -6,6 +6,7 @@ local argparse = require("argparse")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local cost = require("common.optimise.cost")
+local derivative = require("common.gradient.derivative")
 local evaluation = require("common.optimise.evaluation")
 local files = require("common.run.file")
 local progress = require("common.run.progress")
@@ -89,6 +90,9 @@ local function controls_of(o, explained)
       or #names > 0 and "it has " .. table.concat(names, ", ") or "it has none: require(\"control\")")
   end
   if #list == 0 then return nil, "the scene has no control: require(\"control\"), scripts/lib/control.lua" end
+  if #list > derivative.most then
+    return nil, ("%d controls, and %d at a time are possible: --by"):format(#list, derivative.most)
+  end
   for _, control in ipairs(list) do o.params[control.name] = nil end
   return list
 end

@@ -10,6 +10,7 @@ local derivative = {}
 local part = 2 ^ -17 * 1e3
 -- Forwards each parameter costs about a run; backwards all of them cost about four, and two evaluations a step each.
 derivative.most_forwards = 8
+derivative.most = 64 -- at a time, tools/native/sensitivity.c
 
 -- The text of a function of time (scripts/lib/control.lua), all of it larger by `by`.
 function derivative.control_text(control, by)

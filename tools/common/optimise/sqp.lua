@@ -166,6 +166,25 @@ local function learn(state, y, there, multipliers)
   state.y, state.c, state.A, state.plain = y, there.c, there.A, false
 end
 
+-- The evaluation with every goal scaled.
+local function scaled(evaluate, scale)
+  return function(y, gradient)
+    local found, reason = evaluate(y, gradient)
+    if not found then return nil, reason end
+    for i = 1, #scale do
+      found.c[i] = found.c[i] * scale[i]
+      for k = 1, gradient and #y or 0 do found.A[i][k] = found.A[i][k] * scale[i] end
+    end
+    return found
+  end
+end
+
+local function result(state, scale, iterations, ended)
+  local reach, size = {}, math.sqrt(linear.dot(state.y, state.y))
+  for i = 1, #scale do reach[i] = size / scale[i] end
+  return { y = state.y, cost = size * size, iterations = iterations, ended = ended, reach = reach }
+end
+
 -- options: start (y), evaluate(y, gradient) -> { c =, A = } or nil and why, most (iterations), tolerance, note(iteration,
 -- cost, missing). Returns { y, cost, iterations, ended, reach }, reach: by how much y moves each number of c, about; or nil
 -- and why; or nil, nil and the number of c that y cannot change apart from those before it.
@@ -174,21 +193,7 @@ function sqp.minimise(options)
   if not first then return nil, why end
   local scale, row = scales(first.A)
   if not scale then return nil, nil, row end
-  local function evaluate(y, gradient)
-    local found, reason = options.evaluate(y, gradient)
-    if not found then return nil, reason end
-    for i = 1, #scale do
-      found.c[i] = found.c[i] * scale[i]
-      for k = 1, gradient and #y or 0 do found.A[i][k] = found.A[i][k] * scale[i] end
-    end
-    return found
-  end
-  local function result(state, iterations, ended)
-    local reach, size = {}, math.sqrt(linear.dot(state.y, state.y))
-    for i = 1, #scale do reach[i] = size / scale[i] end
-    return { y = state.y, cost = size * size, iterations = iterations, ended = ended, reach = reach }
-  end
-  local n, penalty = #options.start, 0
+  local evaluate, n, penalty = scaled(options.evaluate, scale), #options.start, 0
   local state = evaluate(options.start, true)
   state.y, state.first = options.start, sum_of_sizes(state.c)
   begin_matrix(state, n)
@@ -196,19 +201,17 @@ function sqp.minimise(options)
     local p, multipliers = direction(state)
     if not p then return nil, nil, multipliers end
     if options.note then options.note(iteration, linear.dot(state.y, state.y), sum_of_sizes(state.c)) end
-    if is_optimal(state, options.tolerance) then
-      return result(state, iteration - 1, "converged")
-    end
+    if is_optimal(state, options.tolerance) then return result(state, scale, iteration - 1, "converged") end
     penalty = weight_of(multipliers, penalty)
     local y = search(state, p, penalty, evaluate)
-    if not y and state.plain then return result(state, iteration, "a search without a way down") end
+    if not y and state.plain then return result(state, scale, iteration, "a search without a way down") end
     if y then
       local there, reason = evaluate(y, true)
       if not there then return nil, reason end
       learn(state, y, there, multipliers)
     else begin_matrix(state, n) end
   end
-  return result(state, options.most, "as many iterations as --most")
+  return result(state, scale, options.most, "as many iterations as --most")
 end
 
 return sqp

@@ -180,6 +180,8 @@ static void facets_of_methods_are_checked(void **state) {
       {"split/1", "hk_split_facet", "its hk_split_facet has no 'select_fast', which it must have"},
       {"split/1", "hk_split_facet,.select_fast=(void*)add", "its hk_split_facet has no 'coupled_growth'"},
       {"adaptive/1", "hk_adaptive_facet", "its hk_adaptive_facet has no 'tolerance', which it must have"},
+      {"stages/1", "hk_stages_facet", "its facet 'stages/1' has 0 stages, and 1 to 4 are possible"},
+      {"stages/1", "hk_stages_facet,.count=5", "its facet 'stages/1' has 5 stages, and 1 to 4 are possible"},
   };
   char macros[512];
   for (size_t k = 0; k < sizeof faults / sizeof *faults; k++) {
