@@ -9,8 +9,8 @@
 
 enum { ROUNDS = 60, SLIDES = 8 /* programs */, SEARCHES = 40 };
 
-/* R over the mobility; of the largest u, what rounding leaves of a change. */
-static const double regular = 1e-7, rounding = 1e-14;
+/* R over the mobility; of the largest u, what rounding leaves of a change; of a slope, what is none. */
+static const double regular = 1e-8, rounding = 2e-15, level = 1e-3;
 
 hk_status hk_solid_program_open(hk_solid_program *p, const hk_host *host) {
   p->host = p->matrix.host = host;
@@ -67,32 +67,41 @@ static void linearise(hk_solid_program *p) {
   }
 }
 
-/* The derivative of f at w + t dw, along dw. */
-static double slope(const hk_solid_program *p, double t) {
+/* The derivative of f at w + t dw, along dw, and its own. */
+static double slope(const hk_solid_program *p, double t, double *bend) {
   double sum = 0;
-  for (size_t i = 0; i < HK_SOLID_ROWS * p->solids; i++) sum += p->dw[i] * (p->w[i] + t * p->dw[i]);
+  *bend = 0;
+  for (size_t i = 0; i < HK_SOLID_ROWS * p->solids; i++) {
+    sum += p->dw[i] * (p->w[i] + t * p->dw[i]);
+    *bend += p->dw[i] * p->dw[i];
+  }
   for (size_t e = 0; e < p->impacts; e++) {
     const hk_solid_impact *k = &p->impact[e];
-    double u[3], P[3];
+    double u[3], P[3], J[9], R = regular * k->mobility;
     for (size_t r = 0; r < unknowns(k); r++) u[r] = k->u[r] + t * k->du[r];
-    hk_cone_project(u, unknowns(k), k->mu, P, NULL);
-    for (size_t r = 0; r < unknowns(k); r++) sum -= k->du[r] * P[r] / (regular * k->mobility);
+    hk_cone_project(u, unknowns(k), k->mu, P, J);
+    for (size_t r = 0; r < unknowns(k); r++) {
+      sum -= k->du[r] * P[r] / R;
+      for (size_t c = 0; c < unknowns(k); c++) *bend += k->du[r] * J[3 * r + c] * k->du[c] / R;
+    }
   }
   return sum;
 }
 
-/* How far to go along dw: f is least there. */
+/* How far to go along dw: f is least there, or nearly. Newton's iteration between bounds, from the whole step on. */
 static double length_of_step(const hk_solid_program *p) {
-  double low = 0, high = 1, start = slope(p, 0);
-  if (slope(p, 1) <= 1e-9 * fabs(start)) return 1;
+  double low = 0, high = INFINITY, t = 1, bend, start = fabs(slope(p, 0, &bend));
   for (int k = 0; k < SEARCHES; k++) {
-    double middle = (low + high) / 2;
-    if (slope(p, middle) > 0)
-      high = middle;
+    double now = slope(p, t, &bend);
+    if (!(fabs(now) > level * start)) return t;
+    if (now > 0)
+      high = t;
     else
-      low = middle;
+      low = t;
+    t -= now / bend;
+    if (!(t > low && t < high)) t = isfinite(high) ? (low + high) / 2 : 2 * low;
   }
-  return (low + high) / 2;
+  return t;
 }
 
 /* Returns the largest change of u by the whole step. */

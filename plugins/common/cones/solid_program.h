@@ -1,6 +1,6 @@
 /* The programs of cone_program.h for impacts of rigid bodies, in the coordinates of these: six numbers a body, scaled
  * so that their squares are twice the kinetic energy, whatever the number of its impacts. In place of the impulses z,
- * the change of motion w = J^T z is unknown: with R = 1e-7 of an impact's mobility it is the least of f(w) = |w|^2/2 +
+ * the change of motion w = J^T z is unknown: with R = 1e-8 of an impact's mobility it is the least of f(w) = |w|^2/2 +
  * sum of |P(-u)|^2/(2 R), u = u_0 + J w, which is convex and smooth, and has its least at z = P(-u)/R (Todorov 2014,
  * Convex and analytically-invertible dynamics with contacts and constraints, ICRA, section III). Its matrix has a block
  * for each pair of bodies that touch, so that time and memory follow the number of contacts. */

@@ -1,4 +1,4 @@
--- Ten boxes on each other, and a pyramid of six, lie still.
+-- Ten boxes on each other, and a pyramid of 55, lie still.
 local validation = require("validation")
 local boxes = require("_boxes")
 
@@ -39,6 +39,6 @@ return validation.problem {
   solve = function(at)
     local duration = (at.quick and 6 or 100) * at.h
     local drift, speed = rest(at.h, duration, tower())
-    return { drift, speed, rest(at.h, duration, pyramid(3)) }
+    return { drift, speed, rest(at.h, duration, pyramid(at.quick and 3 or 10)) }
   end,
 }

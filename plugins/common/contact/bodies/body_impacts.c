@@ -210,20 +210,29 @@ static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
   return status;
 }
 
+/* What lies still pushes with nearly the impulses that it is given, so that many impacts are best solved together
+ * before sweeps look for others. */
+static hk_status begin_together(sweeping *w) {
+  const hk_body_newton_task task = {w->speeds, true, w->tolerance / 2, w->y};
+  const double *at = w->speeds ? w->move->x : w->bodies->start;
+  return all_rest(w) ? hk_solid_newton(w->bodies, w->solver, &task, at, &w->exact) : HK_OK;
+}
+
 /* Sweeps find out which impacts push; where they then converge slowly, as along a chain that lies on something,
  * Newton's iteration has the last word, and a further sweep looks whether others are met now. */
 static hk_status sweep_all(sweeping *w, size_t *sweeps) {
-  hk_status status = HK_OK;
   *sweeps = 0;
   w->exact = false;
+  hk_status status = begin_together(w);
   do {
-    status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
+    if (status == HK_OK)
+      status = sweep_some(w, sweeps, *sweeps + BURST < w->solver->most ? *sweeps + BURST : w->solver->most);
     bool solved = false;
     if (status == HK_OK && !w->moved) return polish(w);
     if (status != HK_OK) return status;
     if (w->failed < NEWTONS) status = newton(w, &solved);
     w->failed += !solved;
-    for (size_t e = 0; solved && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
+    for (size_t e = 0; solved && !w->exact && e < w->solver->count; e++) level_of(w, &w->solver->impact[e])->solved = 0;
   } while (status == HK_OK && *sweeps < w->solver->most);
   return status;
 }
@@ -335,6 +344,19 @@ static void turn_speeds(const hk_body_impacts *s, const hk_step_move *m) {
     }
 }
 
+/* What moves is not pushed as it was in the last step, and few impacts need no guess. Of riders of bodies the mobility
+ * is not known yet. */
+static void forget_given(const sweeping *w) {
+  if (w->bodies->contacts >= HK_MANY_IMPACTS && all_rest(w)) return;
+  for (size_t e = 0; e < w->bodies->contacts; e++) {
+    hk_impact *k = &w->solver->impact[e];
+    for (int level = 0; level < 2 && !(k->mobility > 0); level++) {
+      hk_impact_level *of = level ? &k->speed : &k->place;
+      of->push = of->slide[0] = of->slide[1] = of->slide[2] = 0;
+    }
+  }
+}
+
 /* Room for the contacts and the one-sided equations, whose number is that of the topology. */
 static hk_status make_room(hk_body_impacts *s, const hk_contact_solver *given) {
   const hk_one_sided *list;
@@ -360,6 +382,7 @@ hk_status hk_body_gauss_seidel(hk_body_impacts *s, hk_contact_solver *given, hk_
   begin_level(s, &solver, m->x, false);
   memcpy(s->start, m->x, 3 * s->n * sizeof *m->x);
   memcpy(s->before, m->v, 3 * s->n * sizeof *m->v);
+  forget_given(&w);
   status = apply_given(&w);
   if (status == HK_OK) status = sweep_all(&w, &done->sweeps);
   if (status == HK_OK) status = settle(s, m);

@@ -7,8 +7,6 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-enum { FEW = 40 /* impacts, which Newton's iteration for the law itself solves as fast */ };
-
 /* Of the tolerance, what programs leave; of a trace, what is none. */
 static const double finer = 1e-3, same = 1e-6;
 
@@ -161,14 +159,17 @@ static bool set_program(builder *b) {
   return fine;
 }
 
+/* All of them are solved then, until something else moves their bodies. */
 static void take_over(const builder *b, hk_contact_solver *solver) {
   const hk_solid_impact *from = b->p->impact;
+  uint64_t now = ++solver->now;
   for (size_t e = 0; e < solver->count; e++) {
     double axis[3][3], slide[3] = {0, 0, 0};
     if (!takes_part(b->s, solver, e)) continue;
     axes_of(solver->impact[e].frame.n, axis);
     for (int a = 1; a < 3; a++) hk_add_scaled(slide, from->z[a], axis[a]);
     hk_body_impulse_set(b->s, solver, e, b->task->speeds, from->z[0], slide, b->task->y);
+    (b->task->speeds ? &solver->impact[e].speed : &solver->impact[e].place)->solved = now;
     from++;
   }
 }
@@ -179,7 +180,7 @@ hk_status hk_solid_newton(hk_body_impacts *s, hk_contact_solver *solver, const h
   size_t count = 0;
   *solved = false;
   for (size_t e = 0; e < solver->count; e++) count += takes_part(s, solver, e);
-  if (count < FEW || s->moments) return HK_OK;
+  if (count < HK_MANY_IMPACTS || s->moments) return HK_OK;
   hk_status status = hk_solid_program_reserve(&s->program, 2 * count, count);
   if (status == HK_OK) status = hk_reserve(s->host, &s->frame, &s->frame_room, 2 * count, sizeof *s->frame);
   if (status != HK_OK || !set_program(&b)) return status;

@@ -4,6 +4,8 @@
 
 #include "plugins/common/contact/bodies/body_newton.h"
 
+enum { HK_MANY_IMPACTS = 12 /* fewer the iteration for the law itself solves as fast */ };
+
 /* Solves the impacts of a level that take part and have been met, as convex programs in the coordinates of the bodies
  * (cones/solid_program.h). *solved: false where they are few, or not all of such bodies and of what stands still, or
  * where the iteration did not end; nothing was changed then. `at`: n x 3, the place of the last linearisation. */

@@ -45,13 +45,13 @@ static void give(hk_impact *k, hk_impact_level *level, double push, const double
   hk_add_scaled(level->slide, -hk_dot(level->slide, k->frame.n), k->frame.n);
 }
 
-void hk_warm_start_give(const hk_array *known, const hk_contact_solver *s, double h) {
+void hk_warm_start_give(const hk_array *known, const hk_contact_solver *s, double h, bool bodies) {
   const hk_warm_pair *table = known->item;
   double part = part_of(s);
   if (known->count == 0 || (known->count & (known->count - 1)) != 0) return;
   for (size_t e = 0; e < s->count; e++) {
     hk_impact *k = &s->impact[e];
-    if (!(k->mobility > 0)) continue;
+    if (!(k->mobility > 0) && !bodies) continue;
     hk_warm_pair name = name_of(&k->pair);
     const hk_warm_pair *found = &table[place_of(table, known->count, &name)];
     if (!found->present || found->key[0] != name.key[0] || found->key[1] != name.key[1] || found->kind != name.kind)

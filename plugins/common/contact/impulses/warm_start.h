@@ -19,8 +19,9 @@ typedef struct hk_warm_pair {
   uint32_t first[2], kind, present; /* the first two particles, for the sense of the slide; 0: the place is free */
 } hk_warm_pair;
 
-/* Gives the solver's impacts, whose levels are set, the impulses of the pairs that are known. */
-void hk_warm_start_give(const hk_array *known, const hk_contact_solver *, double h);
+/* Gives the solver's impacts, whose levels are set, the impulses of the pairs that are known. bodies: impacts whose
+ * mobility is not known as yet may be of bodies, and are given theirs as well. */
+void hk_warm_start_give(const hk_array *known, const hk_contact_solver *, double h, bool bodies);
 /* After a solution: forgets what was known and keeps the impulses of the impacts that push. HK_NO_MEMORY. */
 hk_status hk_warm_start_keep(hk_array *known, const hk_host *, const hk_contact_solver *, double h);
 
