@@ -1,6 +1,11 @@
 /* The plugins of a liquid by particles: the time of an evaluation of sph and of viscosity per particle, of rows that
  * are there, and of ten iterations of incompressible, on lattices shaken by a tenth of their spacing. Times are the
- * processor's, the least of repeats. */
+ * processor's, the least of repeats.
+ *
+ * Ten iterations of incompressible take 3.6 us, twenty passes over the neighbours of 0.18 us, as those of sph.
+ * Gradients kept from pass to pass, in single precision, made it 4.4 us, and 8.9 with 64,000 particles, since they do
+ * not fit into the cache; rows without the skin's particles made it 1 to 6 % faster, which is not worth their memory.
+ */
 #include "tests/support/force_check.h"
 
 #include <stdio.h>

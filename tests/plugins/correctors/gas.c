@@ -196,7 +196,8 @@ static bool says_gap(room *r) {
   return found;
 }
 
-/* Balls 0.15 m apart in cells of 0.1 m, one 0.12 m from the floor; what touches or is more than two cells apart is none. */
+/* Balls 0.15 m apart in cells of 0.1 m, one 0.12 m from the floor; what touches or is more than two cells apart is
+ * none. */
 static void narrow_gaps_are_said(void **state) {
   (void)state;
   room r;
