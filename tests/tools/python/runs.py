@@ -106,6 +106,15 @@ class Errors(unittest.TestCase):
         with self.assertRaisesRegex(hooke.ParameterError, "no channel 'cold': the scene has heat"):
             hooke.Scene(text=BALL).run(in_process=True).channel("cold")
 
+    def test_a_library_that_is_missing_is_said(self):
+        before = os.environ["HOOKE_LIBRARY"]
+        os.environ["HOOKE_LIBRARY"] = "/nowhere/libhooke.so.0"  # this process has loaded it, or not
+        try:
+            with self.assertRaisesRegex(hooke.FileError, "libhooke cannot be loaded: .*make lib"):
+                hooke.Scene(text=BALL).run()
+        finally:
+            os.environ["HOOKE_LIBRARY"] = before
+
     def test_a_run_that_diverges_has_its_last_state(self):
         wild = BALL.replace("'gravity', {}", "'central', { strength = 1e9 }")
         with self.assertRaises(hooke.Diverged) as caught:
