@@ -106,6 +106,19 @@ class Errors(unittest.TestCase):
         with self.assertRaisesRegex(hooke.ParameterError, "no channel 'cold': the scene has heat"):
             hooke.Scene(text=BALL).run(in_process=True).channel("cold")
 
+    def test_a_library_or_program_that_is_missing_is_said(self):
+        before, program = os.environ["HOOKE_LIBRARY"], os.environ["HOOKE"]
+        run = hooke.Scene(text=BALL).run(in_process=True)
+        os.environ["HOOKE"] = "/nowhere/hooke"
+        os.environ["HOOKE_LIBRARY"] = "/nowhere/libhooke.so.0"  # this process has loaded it, or not
+        try:
+            with self.assertRaisesRegex(hooke.FileError, "libhooke cannot be loaded: .*make lib"):
+                hooke.Scene(text=BALL).run()
+            with self.assertRaisesRegex(hooke.FileError, "/nowhere/hooke, which makes pages, is not there"):
+                run.page()
+        finally:
+            os.environ["HOOKE_LIBRARY"], os.environ["HOOKE"] = before, program
+
     def test_a_run_that_diverges_has_its_last_state(self):
         wild = BALL.replace("'gravity', {}", "'central', { strength = 1e9 }")
         with self.assertRaises(hooke.Diverged) as caught:

@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 
+from . import _errors
 from ._library import LibraryRun
 
 
@@ -48,7 +49,10 @@ class InsideRun:
 
     def __init__(self, job, on_frame):
         self._job, self._on_frame, self._raised = job, on_frame, None
-        self._run = LibraryRun()
+        try:
+            self._run = LibraryRun()
+        except ImportError as error:
+            raise _errors.FileError(str(error)) from None
 
     def block(self, what, name):
         address, width, kind = self._run.blocks()[name]

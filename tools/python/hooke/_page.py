@@ -41,7 +41,10 @@ def make(scene, options, path):
     words += ["--trust"] if "trust" in options else []
     rest = [f"--{name}={value}" if value else f"--{name}" for name, values in options.items() for value in values
             if name not in ("trust", "out")]
-    done = subprocess.run(words + (["--", *rest] if rest else []), capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(words + (["--", *rest] if rest else []), capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise _errors.FileError(f"the program {words[0]}, which makes pages, is not there: build it (make), or name it in HOOKE") from None
     if not os.path.exists(page):
         raise _errors.Error(done.stderr.strip() or f"hooke view ended with code {done.returncode} and made no page")
     return Page(page)

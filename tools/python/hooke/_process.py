@@ -78,7 +78,7 @@ class ProcessRun:
         code = self._process.wait()
         how = f"by {signal.Signals(-code).name}" if code < 0 else f"with code {code}"
         when = "before its first frame" if self._time is None else f"after t = {self._time:g} s"
-        return _errors.Crashed(f"the process of the run ended {how} {when}: a plugin has crashed; `hooke run` names it and its line")
+        return _errors.Crashed(f"the process of the run ended {how} {when}: a plugin has crashed or ended it; `hooke run` names it")
 
     def __del__(self):
         for end in (getattr(self, "_commands", None), getattr(self, "_reports", None)):

@@ -15,7 +15,7 @@ from _library import LibraryRun  # noqa: E402
 class Worker:
     def __init__(self, commands, reports, state):
         self.commands, self.reports, self.state = os.fdopen(commands), os.fdopen(reports, "w"), state
-        self.run, self.size, self.memory = LibraryRun(), 0, None
+        self.run, self.size, self.memory = None, 0, None
         self.go_on = threading.Semaphore(0)
 
     def listen(self):
@@ -56,6 +56,11 @@ class Worker:
 
     def work(self):
         job = json.loads(self.commands.readline())
+        try:
+            self.run = LibraryRun()
+        except ImportError as error:
+            self.report(end={"status": 4, "error": str(error)})
+            return
         threading.Thread(target=self.listen, daemon=True).start()
         status = self.run.describe(job["parameters"], job["options"], lambda: self.frame(job["waits"]))
         status = status or self.run.start(job["path"], job["text"]) or self.run.call("finish")
