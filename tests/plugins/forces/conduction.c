@@ -327,8 +327,33 @@ static void what_held_particles_give_is_counted(void **state) {
   double before = total(&e);
   test_advance(&e, 1e6);
   const hk_view *view = hk_run_view(e.run);
+  hk_summary summary;
+  hk_run_summary(e.run, &summary);
+  const hk_plugin_time *said = &summary.plugin[0];
+  assert_true(said->figures == 1 && strcmp(said->figure[0].name, "enthalpy_drift") == 0);
+  assert_true(fabs(said->figure[0].value) < 1e-12 && said->figure[0].limit == 1e-6);
   assert_true(view->y[0] == 5e5 && view->y[view->n] > 1e4); /* it stays as warm, and has given */
   assert_true(fabs(total(&e) / before - 1) < 1e-12);
+  test_engine_close(&e);
+}
+
+/* Heat that a force gives without the account, here `relax`, is seen: the run is not ok. */
+static void heat_from_nowhere_is_seen(void **state) {
+  (void)state;
+  test_engine e;
+  hk_summary summary;
+  hk_plugin_spec *spec = bar(&e, &plain, 4, 1, 1);
+  add_channel(&e, "given", 0);
+  test_text(&e, spec, "account", "given");
+  hk_plugin_spec *relax = test_plugin(&e, HK_FORCE, "relax");
+  test_text(&e, relax, "channel", "enthalpy");
+  test_number(&e, relax, "growth", 1e-3);
+  e.scene->fps = 100;
+  test_run(&e);
+  test_advance(&e, 0.1);
+  hk_run_summary(e.run, &summary);
+  assert_true(fabs(summary.plugin[0].figure[0].value - 1e-4) < 1e-7);
+  assert_true(strcmp(summary.verdict_name, "ok") != 0);
   test_engine_close(&e);
 }
 
@@ -419,11 +444,12 @@ static void what_has_no_way_for_heat_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_slab_cools_by_its_series),       cmocka_unit_test(a_melting_front_is_stefans),
-      cmocka_unit_test(a_freezing_front_is_neumanns),     cmocka_unit_test(linear_temperatures_stay),
-      cmocka_unit_test(the_enthalpy_is_kept_to_rounding), cmocka_unit_test(what_held_particles_give_is_counted),
-      cmocka_unit_test(steps_are_short_enough),           cmocka_unit_test(an_account_makes_no_step_shorter),
-      cmocka_unit_test(laws_that_cannot_be_are_refused),  cmocka_unit_test(what_has_no_way_for_heat_is_refused),
+      cmocka_unit_test(a_slab_cools_by_its_series),          cmocka_unit_test(a_melting_front_is_stefans),
+      cmocka_unit_test(a_freezing_front_is_neumanns),        cmocka_unit_test(linear_temperatures_stay),
+      cmocka_unit_test(the_enthalpy_is_kept_to_rounding),    cmocka_unit_test(what_held_particles_give_is_counted),
+      cmocka_unit_test(heat_from_nowhere_is_seen),           cmocka_unit_test(steps_are_short_enough),
+      cmocka_unit_test(an_account_makes_no_step_shorter),    cmocka_unit_test(laws_that_cannot_be_are_refused),
+      cmocka_unit_test(what_has_no_way_for_heat_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
