@@ -25,6 +25,7 @@
 #include "core/plugin/facets/approximation.h"
 #include "core/plugin/facets/pictures.h"
 #include "core/plugin/facets/by_hand.h"
+#include "core/plugin/facets/figures.h"
 #include "core/plugin/facets/adaptive.h"
 #include "core/plugin/facets/constrained.h"
 #include "core/plugin/facets/corrected.h"

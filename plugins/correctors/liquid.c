@@ -9,7 +9,6 @@
  * bodies that are held, move the liquid, and the liquid does not move them, nor cloth; walls thinner than two cells
  * leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the energy balance of
  * such a run is not either. */
-#include "plugins/common/channels/find_published.h"
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/liquid_viscosity.h"
@@ -121,19 +120,6 @@ static hk_status choose(liquid *s, const hk_view *view) {
   return hk_carried_find(s->host, view, &s->particles, NULL, s->index, &s->count);
 }
 
-/* Those that differ from particle to particle, where they do. */
-static hk_status find_viscosities(liquid *s, const hk_view *view) {
-  if (!s->viscosity_of) return HK_OK;
-  if (s->viscosity > 0)
-    return s->host->fail(s->host, HK_BAD_PARAM,
-                         "viscosity: there are two, %g Pa s and those of '%s': leave out `viscosity` or "
-                         "`viscosity_of`",
-                         s->viscosity, s->viscosity_of);
-  s->viscous.cell = s->host->allocate(s->host, s->method.grid.size * sizeof *s->viscous.cell);
-  if (!s->viscous.cell) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the viscosity of cells");
-  return hk_find_published(s->host, view->model, s->viscosity_of, "local_viscosity", "viscosity_of", &s->viscosities);
-}
-
 /* m: of cubes or squares with the mean volume of a particle twice the side. */
 static double default_cell(const liquid *s, const hk_view *view) {
   double mass = 0;
@@ -217,7 +203,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK) status = check_start(s, view);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
-  if (status == HK_OK) status = find_viscosities(s, view);
+  if (status == HK_OK && s->viscosity_of)
+    status = hk_cell_viscosity_open(host, view->model, s->viscosity_of, s->viscosity, m->grid.size, &s->viscosities,
+                                    &s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
   if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
   if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);

@@ -17,6 +17,8 @@
 #include <string.h>
 
 static const double safe = 0.9; /* of the step that is stable */
+static const double most_drift =
+    1e-6; /* of the enthalpy, in a run that is ok: implicit methods leave their tolerance */
 
 typedef struct conduction {
   hk_heat_channel heat;
@@ -29,6 +31,7 @@ typedef struct conduction {
   double *is_held;                                            /* n, 0 or 1 */
   hk_heat_paths paths;
   double densest; /* m/kg */
+  double start;   /* J, what nothing from outside gave, when the run began or particles last came or went */
 } conduction;
 
 static const hk_param params[] = {
@@ -56,6 +59,7 @@ static const hk_field fields[] = {
     {"molten", .per_particle = HK_AT(conduction, molten), .width = 1, .flags = HK_PUBLISHED},
     {"potential", .per_particle = HK_AT(conduction, potential), .width = 1, .flags = HK_SCRATCH},
     {"flow", .per_particle = HK_AT(conduction, flow), .width = 1, .flags = HK_SCRATCH},
+    {"start", .number = HK_AT(conduction, start)},
     {"is_held", .per_particle = HK_AT(conduction, is_held), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
@@ -128,6 +132,30 @@ static double longest_step(void *self, const hk_view *view) {
   return rate > 0 ? safe / rate : INFINITY;
 }
 
+/* ---- the balance ---- */
+
+/* J: the enthalpy less what came from outside; *size: of all of it, without signs. */
+static double kept(const conduction *s, const hk_view *view, double *size) {
+  const double *h = hk_enthalpy(&s->heat, view), *given = view->y + s->heat.given->offset * view->n;
+  double sum = 0;
+  *size = 0;
+  for (size_t i = 0; i < view->n; i++) {
+    sum += view->model->mass[i] * (h[i] - given[i]);
+    *size += view->model->mass[i] * (fabs(h[i]) + fabs(given[i]));
+  }
+  return sum;
+}
+
+/* Of all particles of the channel, by what they hold: known where an account is kept. */
+static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
+  const conduction *s = self;
+  double size;
+  if (!s->heat.given) return 0;
+  double off = kept(s, view, &size) - s->start;
+  figure[0] = (hk_own_figure){"enthalpy_drift", "", size > 0 ? off / size : 0, most_drift};
+  return 1;
+}
+
 /* ---- the plugin ---- */
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -141,6 +169,7 @@ static hk_status topology(void *self, const hk_view *view) {
   for (size_t k = 0; k < s->held.count; k++) s->is_held[*hk_tuple(&s->held, k)] = 1;
   s->densest = hk_heat_paths_densest(&s->paths, view);
   find_temperatures(s, view);
+  if (s->heat.given) s->start = kept(s, view, &(double){0});
   return HK_OK;
 }
 
@@ -161,7 +190,7 @@ static const hk_force force = {
     .add = hk_no_force,
     .energy = hk_no_energy,
     .rates = rates,
-    .facets = HK_FACETS(HK_NO_BLOCKS, HK_BOUNDS_FACET(.longest_step = longest_step)),
+    .facets = HK_FACETS(HK_NO_BLOCKS, HK_BOUNDS_FACET(.longest_step = longest_step), HK_FIGURES_FACET(.list = figures)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

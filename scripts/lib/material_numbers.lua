@@ -57,9 +57,9 @@ local function rubber(h)
 end
 materials.rubber = rubber(0.3e-3)
 
--- What melts, in conduction, particle_conduction, heating and melt: temperatures in K, the heat of melting in J/kg, heat capacities in J/(kg K) and
--- conductivities in W/(m K) of the solid and the melt near the melting point. The density, kg/m^3 of the melt, is for
--- those who lay out particles. `enthalpy` in lib/heat.lua makes an enthalpy of a temperature.
+-- What melts, in conduction, particle_conduction, heating and melt: temperatures in K, the heat of melting in J/kg, heat
+-- capacities in J/(kg K) and conductivities in W/(m K) of the solid and the melt near the melting point. The density,
+-- kg/m^3 of the melt, is for those who lay out particles. `enthalpy` in lib/heat.lua makes an enthalpy of a temperature.
 local function melting(what, source, density, law)
   local heating = {}
   for _, name in ipairs { "solidus", "liquidus", "latent", "capacity", "capacity_liquid" } do heating[name] = law[name] end
@@ -69,7 +69,8 @@ end
 
 materials.ice = melting("ice and water at one atmosphere",
   "Lide 2004, CRC Handbook of Chemistry and Physics, sections 6 and 12; rounded to three digits", 1000,
-  { solidus = 273.15, latent = 333.6e3, capacity = 2100, capacity_liquid = 4220, conductivity = 2.16, conductivity_liquid = 0.561 })
+  { solidus = 273.15, latent = 333.6e3, capacity = 2100, capacity_liquid = 4220, conductivity = 2.16,
+    conductivity_liquid = 0.561 })
 
 materials.gallium = melting("gallium, as melted in the cavity of Gau and Viskanta 1986; the solid as the melt",
   "Brent, Voller and Reid 1988, Numerical Heat Transfer 13, table 1", 6093,

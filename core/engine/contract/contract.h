@@ -64,6 +64,7 @@ typedef struct hk_force_tables {
   hk_approximation_facet approximation;
   hk_pictures_facet pictures;
   hk_by_hand_facet by_hand;
+  hk_figures_facet figures;
 } hk_force_tables;
 
 typedef struct hk_integrator_tables {

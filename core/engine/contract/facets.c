@@ -34,6 +34,7 @@ static const facet_rule rules[] = {
      {HK_MEMBER(hk_approximation_facet, errors), HK_MEMBER(hk_approximation_facet, sharpen)}},
     {OF_FORCE(PICTURES, pictures, size), {{NULL, 0}}},
     {OF_FORCE(BY_HAND, by_hand, moved), {HK_MEMBER(hk_by_hand_facet, moved)}},
+    {OF_FORCE(FIGURES, figures, list), {HK_MEMBER(hk_figures_facet, list)}},
     {OF_METHOD(TILE, tile, steps), {HK_MEMBER(hk_tile_facet, steps)}},
     {OF_METHOD(SPLIT, split, coupled_growth),
      {HK_MEMBER(hk_split_facet, select_fast), HK_MEMBER(hk_split_facet, coupled_growth)}},

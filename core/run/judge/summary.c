@@ -60,13 +60,16 @@ static double share_of(const hk_instance *instance, const shares *s) {
   return seconds_of(instance) * (kind == HK_FORCE || kind == HK_CONSTRAINT ? s->of_samples : 1);
 }
 
-/* What a corrector says of the run so far. */
-static void own_figures(const hk_loop *loop, const hk_instance *corrector, hk_plugin_time *time) {
-  if (corrector->plugin->kind != HK_CORRECTOR || !corrector->plugin->corrector->figures) return;
-  hk_view view = hk_instance_view(corrector, &loop->state->view);
-  const hk_instance *outer = hk_enter(corrector);
-  time->figures = corrector->plugin->corrector->figures(corrector->self, &view, time->figure);
-  hk_leave(corrector, outer);
+/* What a corrector or a force says of the run so far. */
+static void own_figures(const hk_loop *loop, const hk_instance *i, hk_plugin_time *time) {
+  size_t (*list)(void *, const hk_view *, hk_own_figure *) = NULL;
+  if (i->plugin->kind == HK_CORRECTOR) list = i->plugin->corrector->figures;
+  if (i->plugin->kind == HK_FORCE) list = hk_force_of(i->plugin)->figures.list;
+  if (!list) return;
+  hk_view view = hk_instance_view(i, &loop->state->view);
+  const hk_instance *outer = hk_enter(i);
+  time->figures = list(i->self, &view, time->figure);
+  hk_leave(i, outer);
 }
 
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {

@@ -1,6 +1,18 @@
 #include "plugins/common/mac_grid/cell_viscosity.h"
+#include "plugins/common/channels/find_published.h"
 
 enum { GRAIN = 1024 };
+
+hk_status hk_cell_viscosity_open(const hk_host *host, const hk_model *model, const char *label, double constant,
+                                 size_t size, const double *const **values, double **cell) {
+  if (constant > 0)
+    return host->fail(host, HK_BAD_PARAM,
+                      "viscosity: there are two, %g Pa s and those of '%s': leave out `viscosity` or `viscosity_of`",
+                      constant, label);
+  *cell = host->allocate(host, size * sizeof **cell);
+  if (!*cell) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", size);
+  return hk_find_published(host, model, label, "local_viscosity", "viscosity_of", values);
+}
 
 typedef struct task {
   const hk_liquid_grid *grid;

@@ -4,6 +4,12 @@
 
 #include "plugins/common/mac_grid/liquid_grid.h"
 
+/* In `create`: finds what the plugin with that label publishes as `local_viscosity`, *values, n, Pa s, and makes room
+ * for *cell, size. `constant`: another viscosity, Pa s, which is to be 0. HK_BAD_PARAM: it is not, or nothing publishes
+ * one; HK_NO_MEMORY. */
+hk_status hk_cell_viscosity_open(const hk_host *, const hk_model *, const char *label, double constant, size_t size,
+                                 const double *const **values, double **cell);
+
 /* Particles by cells: those of cell c are particle[start[c]] to particle[start[c + 1] - 1], places in `index`, which
  * has the scene's. */
 typedef struct hk_cell_particles {

@@ -38,7 +38,8 @@ static double enthalpy_at(test_engine *e, double end) {
   return after;
 }
 
-/* T = T0 + (T1 - T0) exp(-t area convection/(m c)); rk4 with steps of at most a tenth of the time: 1e-5 of 100 K. */
+/* T = T0 + (T1 - T0) exp(-t area convection/(m c)); rk4 with steps of a tenth of the time is off by
+ * 0.1^4/120 of 2.4 times 9 K. */
 static void a_body_cools_as_newton_says(void **state) {
   (void)state;
   test_engine e;
@@ -49,7 +50,7 @@ static void a_body_cools_as_newton_says(void **state) {
   test_number(&e, spec, "surroundings", 300);
   double T = enthalpy_at(&e, end) / capacity, wanted = 300 + 100 * exp(-end * area * by / (mass * capacity));
   printf("convection: %.8g K, exactly %.8g K\n", T, wanted);
-  assert_true(fabs(T - wanted) < 1e-5);
+  assert_true(fabs(T - wanted) < 2.5e-5);
 }
 
 /* Into empty space: T^-3 = T0^-3 + 3 area e sigma t/(m c). */
