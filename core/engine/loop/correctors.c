@@ -1,7 +1,7 @@
 /* Correctors are called after a step, in the scene's order. After a corrector changed x or v, the pins and constraints
  * are imposed again; when a corrector rejects the step, the state before the step is restored. */
 #include "core/engine/contract/contract.h"
-#include "core/engine/loop/loop.h"
+#include "core/engine/loop/correction_work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -123,17 +123,20 @@ static void commit(hk_record *record, const account *a) {
   record->contact_work += a->contact;
 }
 
-/* Where the method knows the work of the correction, that stands in place of what was measured. */
+/* Where the work of the whole step is known, that stands in place of what was measured: not of methods of order 1,
+ * whose positions and velocities are not those of one time, and beside constraints. */
 static hk_status settle(hk_loop *loop, account *a, double h) {
   const hk_corrected_facet *facet = &hk_integrator_tables_of(loop->method)->corrected;
   hk_state *s = loop->state;
-  hk_instance *instance = loop->integrator;
   hk_corrected whole = {.work = NAN};
+  bool followed = loop->method->order > 1 && !loop->dynamics->constrain && hk_correctors_need_start(loop);
   hk_status status = hk_forces_settle(loop->dynamics);
-  if (status != HK_OK || a->silent || !facet->account) return status;
-  const hk_instance *outer = hk_enter(instance);
-  status = facet->account(instance->self, loop->method->method, &loop->dynamics->system, loop->X_end, h, &whole);
-  status = hk_leave_with(instance, outer, "account", status);
+  if (status != HK_OK || a->silent || !(facet->account || followed)) return status;
+  hk_system *system = &loop->dynamics->system;
+  const hk_instance *outer = hk_enter(loop->integrator);
+  status = facet->account ? facet->account(loop->integrator->self, loop->method->method, system, loop->X_end, h, &whole)
+                          : hk_correction_work(loop, h, &whole);
+  status = hk_leave_with(loop->integrator, outer, "account", status);
   if (status != HK_OK || isnan(whole.work)) return status;
   s->X[s->size - 1] = loop->X_end[s->size - 1] + whole.work;
   a->contact += a->touched ? whole.correction - a->work : 0;

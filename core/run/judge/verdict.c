@@ -42,6 +42,13 @@ bool hk_damps_visibly(const hk_summary *s) {
 
 /* ---- energy ---- */
 
+/* Damping is chosen with the method; to lose most of what contact has given is not. Of methods of order 1 the work of
+ * contact is not known well enough to tell. */
+static bool damps_as_chosen(const hk_evidence *e) {
+  double lost = drift_of(e->figures), given = e->record->contact_work;
+  return hk_damps_as_chosen(e->figures) && !(e->order > 1 && given > 0 && lost > hk_limit.mean_energy * given);
+}
+
 /* Energy that came or went without a cause. It is compared with the kinetic energy that is known to have been there:
  * the largest, and the mean over the frames, which one moment of high speed does not raise; work that was done counts
  * with the latter, since what was dissipated moved before. What grows by a factor in every step is small in its
@@ -54,7 +61,7 @@ static void judge_energy(const hk_evidence *e, const hk_comparisons *c, hk_opini
     find(o, HK_ENERGY_NOT_FINITE, s->energy_last, NAN, 0);
     return;
   }
-  if (c->energy_converges || !(drift > hk_energy_rounding(s)) || hk_damps_as_chosen(s)) return;
+  if (c->energy_converges || !(drift > hk_energy_rounding(s)) || damps_as_chosen(e)) return;
   if (s->energy_drift > 0) excess = fmin(excess, fmax(1.01, log1p(s->energy_drift) / hk_limit.visible));
   if (of_largest > 1)
     find(o, HK_ENERGY_OF_LARGEST, drift, excess, e->order);
