@@ -1,6 +1,12 @@
 /* What pictures cost, and which part of it: 121 pictures of 1280 x 720 of a square of cloth that swings, as make run
  * draws them, and the same with one thing left out at a time. Beside the wall time stands that of all processors with
- * ffmpeg's, which a busy machine disturbs less. The least of three repeats, in turn. */
+ * ffmpeg's, which a busy machine disturbs less. The least of three repeats, in turn.
+ *
+ * Of 5.8 s of all processors drawing takes 3 (Mesa's rasteriser with four samples, 0.8 s of it compiling), the
+ * video 1.7, PNG files 0.7: half of what it was before the coder of runs (7.3 s) is below what drawing and the video
+ * take alone. For the video x264's preset superfast takes 0.92 s of 121 pictures where veryfast takes 1.35, in files
+ * twice as large (0.71 MB, 0.35) of the same likeness (SSIM 0.9987, 0.9981); ultrafast 0.47 s and 1.14 MB. Left as it
+ * is. */
 #include "tests/plugins/outputs/fake_host.h"
 
 #include <math.h>

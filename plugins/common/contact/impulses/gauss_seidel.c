@@ -5,6 +5,8 @@
 
 #include "plugins/kit/vector3.h"
 
+enum { AHEAD = 8 }; /* impacts between one that is looked at and one that is fetched from memory */
+
 static void apply(const hk_impact *k, const double impulse[3], const double *inverse_mass, double *y) {
   for (int i = 0; i < 4; i++)
     hk_add_scaled(y + 3 * (size_t)k->pair.vertex[i], k->frame.w[i] * inverse_mass[k->pair.vertex[i]], impulse);
@@ -74,6 +76,7 @@ static bool sweep(hk_contact_solver *s, const sweeping *w) {
   for (size_t e = 0; e < s->count; e++) {
     hk_impact *k = &s->impact[e];
     hk_impact_level *level = (hk_impact_level *)(void *)((char *)k + w->level);
+    __builtin_prefetch((const void *)((uintptr_t)k + AHEAD * sizeof *k)); /* may be beyond the end */
     if (!is_awake(s, k, level->solved) || !takes_part(k, w)) continue;
     level->solved = ++s->now;
     if (!(relax(s, k, level, w->inverse_mass, w->y) > w->tolerance)) continue;

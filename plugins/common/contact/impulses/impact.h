@@ -24,22 +24,24 @@ typedef struct hk_step_move {
 
 /* One of the two inequalities, n.(sum w_i y_i - origin) >= target for y = x or v, and the impulses that keep it. */
 typedef struct hk_impact_level {
+  uint64_t solved; /* when: gauss_seidel.h */
   double origin[3], target;
   double push, slide[3]; /* along n and across it; kg m or N s */
-  uint64_t solved;       /* when: gauss_seidel.h */
 } hk_impact_level;
 
+/* The particles, and when the positions were solved, stand together: sweeps mostly find impacts that need no solution.
+ */
 typedef struct hk_impact {
   hk_feature_pair pair; /* its gap: at the start of the step */
-  hk_pair_frame frame;  /* of one instant of the step */
-  double mobility;      /* 1/kg, sum of w_i^2/m_i; 0: the nearest points are pinned */
   hk_impact_level place, speed;
-  double plastic;    /* m/s: speed.target without restitution */
-  double part;       /* of the step, at which the gap closes; 1: it does not */
-  double speed_then; /* m/s, along the normal, below 0; 0: the step changes its speed by as much, as of contact that
-                        lasts */
-  double motion;     /* m/s, size of the relative velocity of the nearest points at the start of the step */
-  bool rested;       /* it is contact that lasts and was given an impulse of the last step (warm_start.h) */
+  hk_pair_frame frame; /* of one instant of the step */
+  double mobility;     /* 1/kg, sum of w_i^2/m_i; 0: the nearest points are pinned */
+  double plastic;      /* m/s: speed.target without restitution */
+  double part;         /* of the step, at which the gap closes; 1: it does not */
+  double speed_then;   /* m/s, along the normal, below 0; 0: the step changes its speed by as much, as of contact that
+                          lasts */
+  double motion;       /* m/s, size of the relative velocity of the nearest points at the start of the step */
+  bool rested;         /* it is contact that lasts and was given an impulse of the last step (warm_start.h) */
 } hk_impact;
 
 /* Sets mobility and levels of an impact whose pair and frame are set. again: it was pushed apart in this step already,
