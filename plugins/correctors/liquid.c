@@ -318,11 +318,10 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (status == HK_OK && s->viscosity > 0) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
-  const int reach = (int)ceil(s->courant) + 2; /* cells */
-  hk_liquid_extend(m, reach);
+  hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
   bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
-  status = hk_thin_walls_end(&m->thin, &m->grid, c, reach, &moved);
+  status = hk_thin_walls_end(&m->thin, &m->grid, c, 1 + (int)ceil(courant), &moved);
   if (status != HK_OK) return status;
   hk_liquid_move(m, &p, c->h);
   c->changed = moved || changed(s, c);

@@ -105,10 +105,24 @@ static bool is_within(const double *const corner[3], const double n[3], const do
   return true;
 }
 
+/* Whether the ways of the particle and of triangle k are apart along an axis. */
+static bool are_apart(const hk_thin_walls *s, size_t k, const double from[3], const double x[3]) {
+  const hk_thin_vertex *p = &s->vertex[s->triangle[k][0]], *q = &s->vertex[s->triangle[k][1]],
+                       *r = &s->vertex[s->triangle[k][2]];
+  for (int a = 0; a < 3; a++) {
+    double low = fmin(fmin(fmin(p->x[a], p->to[a]), fmin(q->x[a], q->to[a])), fmin(r->x[a], r->to[a]));
+    double high = fmax(fmax(fmax(p->x[a], p->to[a]), fmax(q->x[a], q->to[a])), fmax(r->x[a], r->to[a]));
+    double more = hair * (high - low);
+    if (fmax(from[a], x[a]) < low - more || fmin(from[a], x[a]) > high + more) return true;
+  }
+  return false;
+}
+
 /* A particle that passes triangle k between `from` and x goes back to its side. */
 static bool send_back(const hk_thin_walls *s, size_t k, const double from[3], double gap, double x[3]) {
   const double *start[3], *end[3], *between[3];
   double n0[3], n1[3], n[3], mid[3][3], at[3], weight[3];
+  if (are_apart(s, k, from, x)) return false;
   for (int c = 0; c < 3; c++) start[c] = s->vertex[s->triangle[k][c]].x, end[c] = s->vertex[s->triangle[k][c]].to;
   if (!normal_of(start, n0) || !normal_of(end, n1)) return false;
   double before = height_over(start, n0, from), after = height_over(end, n1, x);
