@@ -3,12 +3,14 @@
  * the particles get them back and move along them (plugins/common/liquid/liquid.h has the method). Mass, momentum and
  * all channels stay on the particles. The box's faces are walls; obstacles of the scene are walls that cover
  * parts of faces, at rest or moving. Without a viscosity they have no friction. Rigid bodies that are free are walls
- * whose motion is solved for with the pressure (plugins/common/liquid/couple.h): they float, sink and are carried.
+ * whose motion is solved for with the pressure (plugins/common/liquid/couple.h): they float, sink and are carried. So
+ * are triangles of cloth, as walls without thickness (plugins/common/thin_walls/thin_walls.h): they hold water, sag
+ * under it and float.
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles, and
- * bodies that are held, move the liquid, and the liquid does not move them, nor cloth; walls thinner than two cells
- * leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the energy balance of
- * such a run is not either. */
+ * bodies that are held, move the liquid, and the liquid does not move them; strands are not felt; obstacles thinner
+ * than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the
+ * energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/tension.h"
 #include "plugins/common/liquid/liquid_viscosity.h"
@@ -22,7 +24,7 @@ typedef struct liquid {
   double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity, tension;
   int transfer, walls;
   bool even;
-  hk_tuples particles;
+  hk_tuples particles, cloth;
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
   double *full;   /* n */
   hk_array guess; /* m^2/s, the last pressure, on the grid */
@@ -63,6 +65,8 @@ static const hk_param params[] = {
      .number = HK_AT(liquid, density), .initial = {1000}, .limits = HK_ABOVE(0)},
     {"particles", "", "that are the liquid; left out: all that move and are in no edge or triangle of the scene",
      .particles = HK_AT(liquid, particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
+    {"cloth", "", "triangles that the liquid does not pass and pushes; left out: all of the scene",
+     .triangles = HK_AT(liquid, cloth), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"transfer", "",
      "how velocities come back: with their gradients (Jiang 2015); as changes (Zhu and Bridson 2005); "
      "plainly, which is the most viscous",
@@ -173,11 +177,17 @@ static void warn_of_births(const liquid *s, const hk_view *view) {
     }
 }
 
+static hk_status open_cloth(liquid *s, const hk_view *view) {
+  const hk_tuples *cloth = s->cloth.count ? &s->cloth : &view->model->triangles;
+  return hk_thin_walls_open(&s->method.thin, s->host, view, cloth, s->method.grid.size);
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
   hk_status status = choose(s, view);
   hk_liquid_bodies_topology(&s->method.bodies);
   if (status == HK_OK) warn_of_births(s, view);
+  if (status == HK_OK) status = open_cloth(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
 }
 
@@ -209,6 +219,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
   if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
   if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);
+  if (status == HK_OK) status = open_cloth(s, view);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
@@ -306,6 +317,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   begin(s, c);
   m->bodies.force = s->force.item;
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
+  if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
   if (status != HK_OK) return status;
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
@@ -322,6 +334,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
   bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
+  status = hk_thin_walls_end(&m->thin, &m->grid, c, 1 + (int)ceil(courant), &moved);
+  if (status != HK_OK) return status;
   hk_liquid_move(m, &p, c->h);
   c->changed = moved || changed(s, c);
   s->off = fmax(s->off, fabs(density_off(s)));

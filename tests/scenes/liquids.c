@@ -52,6 +52,17 @@ static void a_raft_floats_and_a_stone_sinks(void **state) {
   if (!(fabs(mass - 521) < 0.2)) fail_msg("%.4f kg", mass);
 }
 
+/* 8 kg: half an ellipsoid of 0.38, 0.2 and 0.14 m displaces them 0.076 m deep, below water that is 0.4063 m high. It
+ * was put on the water 0.07 m above that, about which it heaves, less from time to time; through a leak, or freely, it
+ * would have fallen to the floor. */
+static void a_boat_of_cloth_floats(void **state) {
+  (void)state;
+  test_scene(&r, "boat", "cell=0.1 wave=0 --until 0.35");
+  double keel = test_json(r.out, "keel");
+  if (!(fabs(keel - 0.3303) < 0.05)) fail_msg("keel at %.4f m", keel);
+  assert_true(test_json(r.out, "shipped") == 0);
+}
+
 /* Before it meets the plate, at 0.045 s, a viscous thread falls freely, as a whole: g t (t + h)/2 to the first frame,
  * in steps of h. Its particles at random are evened by hundredths of a cell: 5 %. */
 static void honey_falls_freely_before_it_meets_the_plate(void **state) {
@@ -99,6 +110,7 @@ int main(void) {
       cmocka_unit_test(honey_falls_freely_before_it_meets_the_plate),
       cmocka_unit_test(a_tank_in_space_flows_as_a_plane_one),
       cmocka_unit_test(a_raft_floats_and_a_stone_sinks),
+      cmocka_unit_test(a_boat_of_cloth_floats),
       cmocka_unit_test(a_filling_has_the_level_that_is_asked_for),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -46,6 +46,7 @@ static const char *options_of(const char *scene) {
       {"granular_gas", "n=100"},
       {"gyroid", "size=0.1"},
       {"hair_methods", "strands=4"},
+      {"boat", "cell=0.1"},
       {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},
       {"hourglass", "n=150"},

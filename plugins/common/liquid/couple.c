@@ -44,8 +44,8 @@ static hk_status add_walls(hk_liquid *l, size_t k) {
 hk_status hk_liquid_couple(hk_liquid *l) {
   hk_moving_walls *walls = &l->pressure.walls;
   double mass = l->density * hk_liquid_cell_volume(&l->grid);
-  hk_status status = HK_OK;
   hk_moving_walls_clear(walls);
+  hk_status status = HK_OK;
   if (l->bodies.count == 0) return HK_OK;
   for (size_t b = 0; b < l->bodies.count; b++) {
     walls->body[b].mass = l->bodies.body[b].mass / mass;
@@ -83,6 +83,7 @@ static void find_forces(hk_liquid *l) {
   for (size_t k = 0; k < 6 * l->bodies.count; k++) l->bodies.force[k] = 0;
   for (size_t k = 0; k < l->pressure.walls.count; k++) {
     const hk_moving_wall *w = &l->pressure.walls.wall[k];
+    if (w->body >= l->bodies.count) continue;
     double part = unit * beyond_centre(l, w);
     for (int c = 0; c < 6; c++) l->bodies.force[6 * w->body + (size_t)c] += part * w->flux[c];
   }
@@ -109,9 +110,11 @@ static void move_rows(void *context, size_t begin, size_t end, size_t piece) {
 
 void hk_liquid_react(hk_liquid *l) {
   hk_moving_walls *walls = &l->pressure.walls;
-  if (l->bodies.count == 0) return;
+  if (walls->bodies == 0) return;
   hk_moving_walls_reply(walls, l->pressure.x);
-  for (size_t k = 0; k < walls->count; k++) l->bodies.body[walls->wall[k].body].wet = true;
+  if (l->bodies.count == 0) return;
+  for (size_t k = 0; k < walls->count; k++)
+    if (walls->wall[k].body < l->bodies.count) l->bodies.body[walls->wall[k].body].wet = true;
   for (size_t b = 0; b < l->bodies.count; b++) {
     if (!l->bodies.body[b].wet) continue;
     hk_add_scaled(l->bodies.body[b].velocity, 1, walls->body[b].reply);

@@ -10,11 +10,13 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
     if (hk_pressure_open(&l->pressure, host, &l->grid) != HK_OK || !l->start)
       return host->fail(host, HK_NO_MEMORY, "no memory for the pressure of %zu cells: take larger ones", cells);
   }
-  if (l->bodies.count && !l->pressure.walls.body) {
-    hk_moving_walls *walls = &l->pressure.walls;
-    walls->bodies = l->bodies.count;
-    walls->body = host->allocate(host, walls->bodies * sizeof *walls->body);
-    if (!walls->body) return host->fail(host, HK_NO_MEMORY, "no memory for %zu bodies in a liquid", walls->bodies);
+  hk_moving_walls *walls = &l->pressure.walls;
+  if (l->bodies.count + l->thin.vertices != walls->bodies) {
+    host->release(host, walls->body);
+    walls->bodies = l->bodies.count + l->thin.vertices;
+    walls->body = walls->bodies ? host->allocate(host, walls->bodies * sizeof *walls->body) : NULL;
+    if (walls->bodies && !walls->body)
+      return host->fail(host, HK_NO_MEMORY, "no memory for %zu bodies and points of cloth in a liquid", walls->bodies);
   }
   host->release(host, l->sorted);
   host->release(host, l->cell);
@@ -27,6 +29,7 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
 void hk_liquid_close(hk_liquid *l) {
   if (!l->host) return;
   hk_pressure_close(&l->pressure);
+  hk_thin_walls_close(&l->thin);
   hk_liquid_grid_free(&l->grid, l->host);
   l->host->release(l->host, l->start);
   l->host->release(l->host, l->sorted);

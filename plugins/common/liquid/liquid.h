@@ -3,9 +3,9 @@
  * mass, the position and the velocity of the liquid stay on the particles; the grid keeps nothing but the last
  * pressure, as a first guess.
  *
- * The order of a step: hk_liquid_sort, _scatter, _walls, _find_surface, _project, _even, _extend, _gather, _move.
- * Results have the same bits for any number of threads. Bridson, Fluid Simulation for Computer Graphics, 2nd ed. 2015;
- * Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method. */
+ * The order of a step: hk_thin_walls_begin, hk_liquid_sort, _scatter, _walls, _find_surface, _project, _even, _extend,
+ * _gather, _move. Results have the same bits for any number of threads. Bridson, Fluid Simulation for Computer
+ * Graphics, 2nd ed. 2015; Jiang, Schroeder, Selle, Teran, Stomakhin 2015, The affine particle-in-cell method. */
 #ifndef HK_LIQUID_H
 #define HK_LIQUID_H
 
@@ -13,6 +13,7 @@
 #include "plugins/common/mac_grid/liquid_grid.h"
 #include "plugins/common/mac_grid/pressure.h"
 #include "plugins/common/obstacles/obstacle.h"
+#include "plugins/common/thin_walls/thin_walls.h"
 
 typedef enum hk_liquid_transfer { HK_LIQUID_APIC, HK_LIQUID_FLIP, HK_LIQUID_PIC } hk_liquid_transfer;
 
@@ -34,6 +35,7 @@ typedef struct hk_liquid {
   hk_pressure pressure;
   const hk_obstacle_set *obstacles; /* NULL: none */
   hk_liquid_bodies bodies;
+  hk_thin_walls thin; /* cloth */
   hk_liquid_transfer transfer;
   double density;     /* kg/m^3 */
   double flip;        /* of FLIP: the part of the particle's own velocity that is kept */

@@ -24,16 +24,36 @@ static void distance_rows(void *context, size_t begin, size_t end, size_t piece)
   }
 }
 
+/* Whether cloth passes through the cell. */
+static bool is_cut(const hk_liquid *l, size_t i) { return hk_thin_walls_beside(&l->thin, &l->grid, i, 0.5); }
+
+/* Of a cell that cloth cuts a kernel covers both sides: its distance is that of the cells on its own side. */
+static void extend_beside_cloth(hk_liquid *l, size_t i) {
+  hk_liquid_grid *g = &l->grid;
+  double sum = 0, count = 0;
+  for (int f = 0; f < 6; f++) {
+    size_t s = g->stride[f / 2], face = f & 1 ? i + s : i, beside = f & 1 ? i + s : i - s;
+    if (!(g->open[f / 2][face] > 0) || !(g->room[beside] > 0) || is_cut(l, beside)) continue;
+    sum += g->distance[beside];
+    count++;
+  }
+  if (count > 0) g->distance[i] = sum / count;
+}
+
 /* Few particles are in a cell whose centre is in a wall, and say little: its distance is that of the cells beside it,
  * so that no wall is taken for air, and its density is right. */
 static void extend_rows(void *context, size_t begin, size_t end, size_t piece) {
-  hk_liquid_grid *g = &((hk_liquid *)context)->grid;
+  hk_liquid *l = context;
+  hk_liquid_grid *g = &l->grid;
   (void)piece;
   for (size_t k = begin; k < end; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + g->cells[hk_liquid_inner(g)]; i++) {
       double sum = 0, count = 0;
-      if (!(g->room[i] < 0)) continue;
+      if (!(g->room[i] < 0)) {
+        if (l->thin.crossings && is_cut(l, i)) extend_beside_cloth(l, i);
+        continue;
+      }
       for (int c = 0; c < 3; c++) {
         size_t s = g->stride[c];
         if (g->room[i - s] > 0) sum += g->distance[i - s], count++;
@@ -83,7 +103,7 @@ static void measure_density(hk_liquid *l) {
   l->inside = 0;
   for (size_t k = 0; k < l->pressure.rows; k++) {
     size_t i = l->pressure.cell[k];
-    if (!(g->room[i] > 0) || !is_full(g, i)) continue;
+    if (!(g->room[i] > 0) || !is_full(g, i) || hk_thin_walls_beside(&l->thin, g, i, 1)) continue;
     l->inside++;
     sum += g->filled[i];
   }

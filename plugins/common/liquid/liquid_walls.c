@@ -199,8 +199,24 @@ static void find_room(hk_liquid *l) {
   }
 }
 
+/* Faces that cloth crosses, but where a solid covers a part of them. */
+static void close_thin_walls(hk_liquid *l) {
+  hk_liquid_grid *g = &l->grid;
+  for (int c = 0; c < 3 && l->thin.crossings; c++)
+    for (size_t i = 0; i < g->size; i++) {
+      const hk_thin_crossing *at = hk_thin_walls_at(&l->thin, c, i);
+      if (!at) continue;
+      if (g->open[c][i] < 1) {
+        l->thin.face[c][i] = 0;
+        continue;
+      }
+      g->open[c][i] = 0;
+      g->wall[c][i] = hk_thin_walls_speed(&l->thin, at, c);
+    }
+}
+
 void hk_liquid_walls(hk_liquid *l) {
-  bool still = l->bodies.count == 0;
+  bool still = l->bodies.count == 0 && l->thin.triangles == 0;
   for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) still &= l->obstacles->member[k]->motion.still;
   if (l->walled && still && l->stood) return;
   l->walled = true;
@@ -208,4 +224,5 @@ void hk_liquid_walls(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 1), 16, corner_rows, l);
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, face_rows, l);
   find_room(l);
+  close_thin_walls(l);
 }

@@ -131,7 +131,7 @@ static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
   (void)piece;
   for (size_t k = begin; k < end; k++) {
     size_t i = t->p->index[t->l->sorted[k]];
-    double *x = t->p->x + 3 * i, first[3], second[3], third[3], on[3];
+    double *x = t->p->x + 3 * i, from[3] = {x[0], x[1], x[2]}, first[3], second[3], third[3], on[3];
     hk_liquid_place at;
     hk_liquid_locate(g, x, &at);
     velocity_at(g, x, first);
@@ -143,6 +143,9 @@ static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
       x[c] += t->h / 9 * (2 * first[c] + 3 * second[c] + 4 * third[c]);
       if (!g->flat[c]) x[c] += hk_liquid_value(g, g->push[c], &at, c);
     }
+    keep(t->l, i, x);
+    if (!t->l->thin.triangles) continue;
+    hk_thin_walls_keep(&t->l->thin, g, t->l->cell[t->l->sorted[k]], from, x);
     keep(t->l, i, x);
   }
 }

@@ -99,7 +99,8 @@ static void act_rows(void *context, size_t begin, size_t end, size_t piece) {
         }
         bool wet = g->unknown[i] != HK_LIQUID_NONE || g->unknown[i - g->stride[c]] != HK_LIQUID_NONE;
         g->u[c][i] = open ? g->u[c][i] - slope : g->wall[c][i];
-        g->known[c][i] = open ? wet || g->weight[c][i] > 0 : hk_liquid_on_box(g, &row, i, c);
+        bool held = hk_liquid_on_box(g, &row, i, c) || hk_thin_walls_at(&t->l->thin, c, i);
+        g->known[c][i] = open ? wet || g->weight[c][i] > 0 : held;
       }
   }
 }
@@ -123,6 +124,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   hk_pressure *p = &l->pressure;
   fill_gaps(l);
   hk_status status = hk_liquid_couple(l);
+  if (status == HK_OK) status = hk_liquid_couple_thin(l, guess);
   if (status != HK_OK) return status;
   l->host->parallel_for(l->host, p->rows, GRAIN, rows_piece, l);
   hk_pressure_prepare(p);
@@ -139,12 +141,13 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   memset(guess, 0, g->size * sizeof *guess);
   for (size_t k = 0; k < p->rows; k++) guess[p->cell[k]] = p->x[k];
   hk_liquid_react(l);
+  hk_liquid_move_thin(l);
   act(l, 0);
   l->left = hk_liquid_divergence(l);
   return HK_OK;
 }
 
-/* How much fuller than the density a cell is; what borders on air may be thinner, and so may
+/* How much fuller than the density a cell is; what borders on air or cloth may be thinner, and so may
  * what is mostly wall. */
 static double excess(const hk_liquid *l, size_t k) {
   const hk_liquid_grid *g = &l->grid;
@@ -152,7 +155,7 @@ static double excess(const hk_liquid *l, size_t k) {
   size_t i = p->cell[k];
   double off = g->filled[i] - 1;
   if (off >= 0) return off;
-  if (g->room[i] < 0) return 0;
+  if (g->room[i] < 0 || hk_thin_walls_beside(&l->thin, g, i, 1)) return 0;
   for (int c = 0; c < 3; c++) {
     size_t s = g->stride[c];
     if (g->open[c][i] > 0 && p->prior[c][k] == p->rows) return 0;

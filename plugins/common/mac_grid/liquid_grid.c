@@ -4,8 +4,10 @@
 
 #include <string.h>
 
-/* Of a cell: 22 numbers of the grid, its unknown and layers, bodies beside it; those of the pressure's matrix. */
-static const double bytes_of_cell = 22 * 8 + 4 + 4 + 4 * 2 + 12 * 8 + 7 * 4 + 4;
+/* Of a cell: 22 numbers of the grid, its unknown and layers, bodies and cloth beside it; those of the pressure's
+ * matrix.
+ */
+static const double bytes_of_cell = 22 * 8 + 4 + 4 + 4 * 2 + 4 * 4 + 12 * 8 + 7 * 4 + 4;
 
 double hk_liquid_bytes(const double cells[3]) {
   return (bytes_of_cell + hk_vcycle_bytes()) * (cells[0] + 2) * (cells[1] + 2) * (cells[2] + 2);

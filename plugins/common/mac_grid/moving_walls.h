@@ -16,6 +16,7 @@ typedef struct hk_moving_wall {
 typedef struct hk_moving_body {
   double mass, inverse_inertia[9]; /* by rho V: of the liquid in a cell; m^2, 1/m^2 */
   double sum[6], reply[6];         /* of a product */
+  uint32_t row;                    /* the first beside it, for whoever asks; UINT32_MAX: none yet */
 } hk_moving_body;
 
 typedef struct hk_moving_walls {
@@ -23,6 +24,11 @@ typedef struct hk_moving_walls {
   hk_moving_wall *wall;
   hk_moving_body *body;
 } hk_moving_walls;
+
+/* Whether no pressure moves it. */
+static inline bool hk_moving_body_is_held(const hk_moving_body *b) {
+  return isinf(b->mass) && b->inverse_inertia[0] + b->inverse_inertia[4] + b->inverse_inertia[8] == 0;
+}
 
 void hk_moving_walls_clear(hk_moving_walls *);
 /* HK_NO_MEMORY, with a message. */

@@ -199,31 +199,56 @@ static uint32_t root_of(uint32_t *part, uint32_t i) {
   return i;
 }
 
+static void join(uint32_t *part, uint32_t i, uint32_t j) {
+  uint32_t a = root_of(part, i), b = root_of(part, j);
+  part[a > b ? a : b] = a > b ? b : a;
+}
+
+/* Rows beside the same body that pressure moves: cloth between two closed parts, say. */
+static void join_by_walls(hk_pressure *p) {
+  hk_moving_walls *walls = &p->walls;
+  for (size_t b = 0; b < walls->bodies && walls->count; b++) walls->body[b].row = UINT32_MAX;
+  for (size_t k = 0; k < walls->count; k++) {
+    hk_moving_body *body = &walls->body[walls->wall[k].body];
+    if (hk_moving_body_is_held(body)) continue;
+    if (body->row == UINT32_MAX) body->row = walls->wall[k].row;
+    join(p->part, body->row, walls->wall[k].row);
+  }
+}
+
 static void join_parts(hk_pressure *p) {
   for (size_t i = 0; i < p->rows; i++) {
     p->part[i] = (uint32_t)i;
     for (int c = 0; c < 3; c++) {
       size_t j = p->prior[c][i];
       if (j == p->rows || !(p->side[c][j] > 0)) continue;
-      uint32_t a = root_of(p->part, (uint32_t)j), b = root_of(p->part, (uint32_t)i);
-      p->part[a > b ? a : b] = a > b ? b : a;
+      join(p->part, (uint32_t)j, (uint32_t)i);
     }
   }
-  for (size_t i = 0; i < p->rows; i++) p->part[i] = p->part[p->part[i]];
+  join_by_walls(p);
+  for (size_t i = 0; i < p->rows; i++) p->part[i] = root_of(p->part, (uint32_t)i);
 }
 
-/* Of a part without a surface the sum of b has to be zero. What its rows have on the diagonal beyond their neighbours
- * is its hold, z; s: sum of b; q: rows. */
+/* z: what bodies do where the pressure is the same in all rows: 0 in a part that they can neither widen nor narrow. */
+static void push_all(hk_pressure *p) {
+  memset(p->z, 0, p->rows * sizeof(double));
+  if (p->walls.count == 0) return;
+  for (size_t i = 0; i < p->rows; i++) p->r[i] = 1;
+  hk_moving_walls_multiply(&p->walls, p->r, p->z);
+}
+
+/* Of a part without a surface, nor cloth that gives way, the sum of b has to be zero. What its rows have on the
+ * diagonal beyond their neighbours, and by bodies, is its hold, z of its first row; s: sum of b; q: rows. */
 static void take_means(hk_pressure *p) {
   join_parts(p);
-  memset(p->z, 0, p->rows * sizeof(double));
+  push_all(p);
   memset(p->s, 0, p->rows * sizeof(double));
   memset(p->q, 0, p->rows * sizeof(double));
   for (size_t i = 0; i < p->rows; i++) {
     uint32_t k = p->part[i];
-    double hold = p->diagonal[i];
+    double hold = p->diagonal[i] + fabs(p->z[i]);
     for (int c = 0; c < 3; c++) hold -= p->side[c][i] + p->side[c][p->prior[c][i]];
-    p->z[k] = fmax(p->z[k], hold / p->diagonal[i]);
+    p->z[k] = fmax(i == k ? 0 : p->z[k], hold / p->diagonal[i]);
     p->s[k] += p->b[i];
     p->q[k]++;
   }

@@ -71,6 +71,8 @@ function parts.water(scene)
   local positions = {}
   for k = 0, 11 do positions[k + 1] = { 0.1 * (k % 4) + 0.05, 0, 0.1 * (k // 4) + 0.05 } end
   scene:particles { positions = positions, mass = 2 }
+  local sheet = scene:mesh { vertices = { { 0.3, -0.1, 0.3 }, { 0.6, -0.1, 0.2 }, { 0.4, 0.2, 0.25 } }, faces = { { 1, 2, 3 } }, mass = 1 }
+  scene:pin({ sheet:ids()[1] }, { normal = { 0, 1, 0 } })
   scene:force("gravity", {})
   scene:corrector("liquid", { low = { 0, 0, 0 }, high = { 0.8, 0, 0.4 }, cell = 0.2 })
 end
