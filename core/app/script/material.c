@@ -18,11 +18,21 @@ static const char *name_at(const void *context, size_t k) {
   return k < list->count ? list->at[k] : NULL;
 }
 
-/* The keys of the table on top of the stack that are names of tables, sorted. */
-static void collect(lua_State *L, names *list) {
+/* Whether the value on top of the stack is a table, which holds one under the name `of`; NULL: any. */
+static bool is_table_with(lua_State *L, const char *of) {
+  bool has = lua_istable(L, -1);
+  if (!has || !of) return has;
+  has = hk_lua_field(L, -1, of) == LUA_TTABLE;
+  lua_pop(L, 1);
+  return has;
+}
+
+/* The keys of the table on top of the stack that are names of tables, sorted; of those that hold one under `of`, unless
+ * it is NULL. */
+static void collect(lua_State *L, names *list, const char *of) {
   list->count = 0;
   for (lua_pushnil(L); list->count < 256 && lua_next(L, -2); lua_pop(L, 1)) {
-    if (lua_type(L, -2) != LUA_TSTRING || !lua_istable(L, -1)) continue;
+    if (lua_type(L, -2) != LUA_TSTRING || !is_table_with(L, of)) continue;
     const char *name = lua_tostring(L, -2);
     size_t k = list->count++;
     for (; k > 0 && strcmp(list->at[k - 1], name) > 0; k--) list->at[k] = list->at[k - 1];
@@ -66,7 +76,8 @@ static bool descend(lua_State *L, const char *key) {
 static void find_material(lua_State *L, const char *what, const char *name) {
   names list;
   if (descend(L, name)) return;
-  collect(L, &list);
+  collect(L, &list, what);
+  if (list.count == 0) collect(L, &list, NULL);
   const char *near = hk_nearest_name(name, name_at, &list), *all = push_list(L, &list);
   if (near)
     hk_lua_fail(L, HK_BAD_PARAM, "%s: material: there is no '%s'; did you mean '%s'? There are %s", what, name, near,
@@ -78,7 +89,7 @@ static void find_material(lua_State *L, const char *what, const char *name) {
 static void find_values(lua_State *L, const char *what, const char *name) {
   names list;
   if (descend(L, what)) return;
-  collect(L, &list);
+  collect(L, &list, NULL);
   hk_lua_fail(L, HK_BAD_PARAM, "%s: material: '%s' has nothing for it, but for %s", what, name, push_list(L, &list));
 }
 
