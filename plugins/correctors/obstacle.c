@@ -80,10 +80,21 @@ static const hk_field fields[] = {
     {0},
 };
 
+static hk_status check_enclosed(const obstacle *s, const hk_view *view) {
+  hk_enclosed_obstacle found;
+  hk_status status = hk_obstacle_enclosed(&s->obstacle, s->host, view, &found);
+  if (status != HK_OK || !found.body.found || view->t > 0) return status;
+  return s->host->fail(
+      s->host, HK_BAD_PARAM,
+      "the obstacle starts inside of a rigid body: its point (%g, %g, %g) m is %.3g m below the body's "
+      "surface (particle %u), and nothing would bring it out; start them apart",
+      found.point[0], found.point[1], found.point[2], found.body.depth, view->model->id[found.body.particle]);
+}
+
 /* What moves on its own comes out in the first step; a rigid body would be turned by that. */
 static hk_status check_start(const obstacle *s, const hk_view *view) {
   hk_inside found = hk_obstacle_inside(&s->obstacle, view);
-  if (found.count == 0) return HK_OK;
+  if (found.count == 0) return check_enclosed(s, view);
   uint32_t id = view->model->id[found.deepest];
   if (view->model->pin[found.deepest] == HK_PIN_RIDES && found.depth > worth_saying && view->t <= 0)
     return s->host->fail(s->host, HK_BAD_PARAM,
@@ -94,7 +105,7 @@ static hk_status check_start(const obstacle *s, const hk_view *view) {
                 "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
                 "its surface, which no force does; start them outside",
                 found.count, found.depth, id);
-  return HK_OK;
+  return check_enclosed(s, view);
 }
 
 static hk_status topology(void *self, const hk_view *view) {

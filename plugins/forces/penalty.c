@@ -273,6 +273,17 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   return HK_OK;
 }
 
+static hk_status say_enclosed(const penalty *s, const hk_host *host, const hk_view *view) {
+  hk_enclosed_obstacle found;
+  hk_status status = hk_obstacle_enclosed(&s->obstacle, host, view, &found);
+  if (status != HK_OK || !found.body.found) return status;
+  host->warn(host,
+             "the obstacle starts inside of a rigid body: its point (%g, %g, %g) m is %.3g m below the body's surface "
+             "(particle %u), and it pushes none of the body's points; start them apart",
+             found.point[0], found.point[1], found.point[2], found.body.depth, view->model->id[found.body.particle]);
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   penalty *s = self;
   hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
@@ -289,7 +300,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
                "%zu particles start inside the obstacle, by up to %.3g m (particle %u): it pushes them out with up to "
                "%.3g N",
                found.count, found.depth, view->model->id[found.deepest], s->k * found.depth);
-  return HK_OK;
+  return say_enclosed(s, host, view);
 }
 
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {

@@ -13,7 +13,7 @@ local g, size, thickness, gap = 9.81, { 0.24, 0.115, 0.07 }, 0.002, 0.01
 local bricks, place = {}, {}
 for row = 1, rows do
   for column = 1, columns do
-    local x = (column - (columns + 1) / 2 + (row % 2) / 2 - 0.25) * (size[1] + gap)
+    local x = (column - (columns + 1) / 2 + (row % 2) / 4 - 0.125) * (size[1] + gap)
     place[#place + 1] = { x, 0, (row - 0.5) * (size[3] + thickness) }
     bricks[#bricks + 1] = scene:rigid { shape = "box", size = size, density = 1800, position = place[#place] }
     bricks[#bricks]:surface()

@@ -1,4 +1,4 @@
--- A crane drives a load that hangs on a rope 5 m to the side, and both come to rest: the drive that does it with the least
+-- crane.lua: a crane drives a load that hangs on a rope 5 m to the side, and both come to rest: the drive that does it with the least
 -- effort swings the load ahead, lets it swing back, and is found by
 --   hooke optimise crane.lua --goal trolley=5,trolley_speed=0,load=5,load_speed=0
 local control = require("control")

@@ -1,4 +1,4 @@
--- A rider pumps a swing from 0.2 rad to three times its energy by rising and sinking alone, and ends as far from the hook as it
+-- swing.lua: a rider pumps a swing from 0.2 rad to three times its energy by rising and sinking alone, and ends as far from the hook as it
 -- hangs: up where the swing is fast, down where it turns, twice in a period. The least pumping that does it is found by
 --   hooke optimise swing.lua --goal energy=1,distance=2.52,climb=0
 local control = require("control")

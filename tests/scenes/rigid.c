@@ -84,6 +84,71 @@ static void the_bowling_ball_rolls_and_hits(void **state) {
   near("speed of the ball", 3 * 5 / 7.0, 1e-6);
 }
 
+/* Without the ball's blow each brick stays on those below: all of them, and the ball, are where they touch. */
+static void the_wall_stands(void **state) {
+  (void)state;
+  const double g = 9.81, brick = 1800 * 0.24 * 0.115 * 0.07, ball = 3000 * 4 / 3.0 * 3.14159265358979 * 1e-3;
+  test_scene(&r, "bricks", "rows=2 columns=1 duration=0.6 speed=0");
+  near("energy of the bricks", g * (brick * (0.036 + 0.108) + ball * 0.101), 0.02);
+}
+
+/* Half of a period after the first ball is let go (of a pendulum of 0.2828 m from 0.6 rad) the last one is as high, up
+ * to the gaps; two lift two; what each of four impacts leaves of the speed is (1 + e)/2. */
+static void the_cradle_hands_on(void **state) {
+  (void)state;
+  test_scene(&r, "cradle", "--until 0.5457");
+  double energy = test_json(r.out, "energy of the balls");
+  near("angle of the last", 0.6, 1e-3);
+  near("angle of the first", 0, 1e-4);
+  test_scene(&r, "cradle", "--until 0");
+  near("energy of the balls", energy, 1e-8 * energy);
+  test_scene(&r, "cradle", "lifted=2 --until 0.5457");
+  near("angle of the last", 0.6, 1e-3);
+  near("angle of the next", 0.6, 1e-3);
+  test_scene(&r, "cradle", "restitution=0.9 --until 0.5457");
+  near("angle of the last", acos(1 - (1 - cos(0.6)) * pow(0.95, 8)), 1e-3);
+}
+
+/* The ball keeps its energy until it hits; then the wall falls, and the chain holds. */
+static void the_wrecking_ball_breaks_the_wall(void **state) {
+  (void)state;
+  test_scene(&r, "wrecking_ball", "rows=2 columns=1 links=2 duration=0.36");
+  near("displaced", 0, 0);
+  if (!(test_json(r.out, "speed of the ball") > 2.5)) fail_msg("%g m/s", test_json(r.out, "speed of the ball"));
+  test_scene(&r, "wrecking_ball", "rows=2 columns=1 links=2 duration=0.6");
+  near("displaced", 2, 0);
+  near("intersections", 0, 0);
+  near("constraint_violation", 0, 1e-10);
+}
+
+/* Of the closed form for a centre at rest; what the corners of the ring take falls as their number, and rolling takes
+ * more. */
+static void the_disc_goes_round_faster(void **state) {
+  (void)state;
+  test_scene(&r, "euler_disc", "n=200 rolling=0 --until 0.02");
+  near("rate", 1, 0.015);
+  test_scene(&r, "euler_disc", "n=40 rolling=0 --until 0");
+  double first = test_json(r.out, "energy of the disc");
+  test_scene(&r, "euler_disc", "n=40 rolling=0 duration=0.2");
+  double lost = first - test_json(r.out, "energy of the disc");
+  near("rate", 1, 0.06);
+  test_scene(&r, "euler_disc", "n=80 rolling=0 duration=0.2");
+  double less = first - test_json(r.out, "energy of the disc"), lean = test_json(r.out, "lean");
+  near("rate", 1, 0.06);
+  if (!(less > 0 && less < 0.65 * lost)) fail_msg("%g J of 80 corners, %g J of 40", less, lost);
+  test_scene(&r, "euler_disc", "n=80 rolling=2e-3 duration=0.2");
+  if (!(test_json(r.out, "lean") < 0.7 * lean)) fail_msg("leans by %g and %g rad", test_json(r.out, "lean"), lean);
+}
+
+/* It falls, no knee and no elbow bends the wrong way, and nothing passes. */
+static void the_figure_falls_down_the_stairs(void **state) {
+  (void)state;
+  test_scene(&r, "ragdoll", "steps=2 duration=0.6");
+  near("beyond", 0, 1e-9);
+  near("intersections", 0, 0);
+  if (!(test_json(r.out, "height") < 0.9)) fail_msg("the chest is at %g m", test_json(r.out, "height"));
+}
+
 static void balls_go_round_on_the_turntable(void **state) {
   (void)state;
   test_scene(&r, "turntable", "duration=1");
@@ -99,6 +164,11 @@ int main(void) {
       cmocka_unit_test(the_ball_breaks_the_wall),
       cmocka_unit_test(the_bowling_ball_rolls_and_hits),
       cmocka_unit_test(balls_go_round_on_the_turntable),
+      cmocka_unit_test(the_wall_stands),
+      cmocka_unit_test(the_cradle_hands_on),
+      cmocka_unit_test(the_wrecking_ball_breaks_the_wall),
+      cmocka_unit_test(the_disc_goes_round_faster),
+      cmocka_unit_test(the_figure_falls_down_the_stairs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

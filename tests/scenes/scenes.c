@@ -41,6 +41,7 @@ static const char *options_of(const char *scene) {
       {"discretization", "N=8"},
       {"dust", "N=20"},
       {"embroidery", "N=32"},
+      {"euler_disc", "n=40"},
       {"folds", "N=5"},
       {"galaxy", "N=2000"},
       {"granular_gas", "n=100"},
@@ -65,6 +66,7 @@ static const char *options_of(const char *scene) {
       {"wetting", "n=4"},
       {"wax_figure", "cell=0.02"},
       {"wind_cloth", "N=8"},
+      {"wrecking_ball", "rows=2 columns=1 links=2"},
       {"hair", "strands=6 segments=16"},
   };
   for (size_t k = 0; k < sizeof coarse / sizeof *coarse; k++)

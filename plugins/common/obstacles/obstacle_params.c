@@ -79,3 +79,13 @@ hk_inside hk_obstacle_inside(const hk_obstacle *o, const hk_view *view) {
   }
   return found;
 }
+
+hk_status hk_obstacle_enclosed(const hk_obstacle *o, const hk_host *host, const hk_view *view,
+                               hk_enclosed_obstacle *out) {
+  static const double centre[3];
+  const hk_shape *shape = &o->shape;
+  *out = (hk_enclosed_obstacle){0};
+  if (shape->kind == HK_SHAPE_PLANE || shape->hollow) return HK_OK;
+  hk_body_place(&o->motion.end, shape->kind == HK_SHAPE_MESH ? shape->surface->vertex : centre, out->point);
+  return hk_body_around_find(view, host, out->point, &out->body);
+}

@@ -2,6 +2,7 @@
 #ifndef HK_OBSTACLE_PARAMS_H
 #define HK_OBSTACLE_PARAMS_H
 
+#include "plugins/common/contact/geometry/body_around.h"
 #include "plugins/common/obstacles/obstacle.h"
 
 typedef struct hk_obstacle_params {
@@ -56,5 +57,15 @@ typedef struct hk_inside {
 } hk_inside;
 
 hk_inside hk_obstacle_inside(const hk_obstacle *, const hk_view *);
+
+/* A point of a solid obstacle and the rigid body that it is inside of: where the whole obstacle is, none of the body's
+ * points is inside the obstacle. Those of what is in a plane or a hollow obstacle are. */
+typedef struct hk_enclosed_obstacle {
+  double point[3]; /* m, its centre; a mesh's first vertex */
+  hk_body_around body;
+} hk_enclosed_obstacle;
+
+/* HK_NO_MEMORY. */
+hk_status hk_obstacle_enclosed(const hk_obstacle *, const hk_host *, const hk_view *, hk_enclosed_obstacle *out);
 
 #endif

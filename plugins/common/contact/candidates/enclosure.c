@@ -1,17 +1,16 @@
 /* See enclosure.h. A point is inside of closed triangles where their solid angles sum up to 4 pi times 1, the winding
  * number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation using generalized winding
- * numbers", ACM Trans. Graph. 32, equation 5), each by the formula of Van Oosterom and Strackee 1983, "The solid angle
- * of a plane triangle", IEEE Trans. Biomed. Eng. 30, equation 8. On a face it is a half, so that what only touches is
- * outside. */
+ * numbers", ACM Trans. Graph. 32, equation 5). On a face it is a half, so that what only touches is outside. */
 #include "plugins/common/contact/candidates/enclosure.h"
 
 #include "plugins/common/contact/geometry/distance.h"
+#include "plugins/common/contact/geometry/solid_angle.h"
 #include "plugins/common/space/bvh.h"
 #include "plugins/kit/vector3.h"
 
 #include <stdlib.h>
 
-static const double inside = 0.75, four_pi = 12.566370614359172;
+static const double inside = 0.75;
 
 /* What particles move with: the first carrier of their body, or one of these. */
 static const uint32_t pinned = UINT32_MAX - 1, on_its_own = UINT32_MAX;
@@ -92,25 +91,13 @@ static void list_solids(search *s) {
   }
 }
 
-static double solid_angle(const double *x, const uint32_t t[3], const double p[3]) {
-  double a[3][3], size[3], n[3];
-  for (int c = 0; c < 3; c++) {
-    hk_subtract(a[c], x + 3 * (size_t)t[c], p);
-    size[c] = hk_length(a[c]);
-  }
-  hk_cross(n, a[1], a[2]);
-  double along = size[0] * size[1] * size[2] + hk_dot(a[0], a[1]) * size[2] + hk_dot(a[1], a[2]) * size[0] +
-                 hk_dot(a[2], a[0]) * size[1];
-  return 2 * atan2(hk_dot(a[0], n), along);
-}
-
 static bool is_inside(const search *s, const solid *b, const double p[3]) {
   double sum = 0;
   for (int c = 0; c < 3; c++)
     if (!(p[c] > b->box.low[c] && p[c] < b->box.high[c])) return false;
   for (size_t k = b->first; k < b->first + b->count; k++)
-    sum += solid_angle(s->x, s->mesh->triangle[s->triangle[k].index], p);
-  return sum > inside * four_pi;
+    sum += hk_solid_angle(s->x, s->mesh->triangle[s->triangle[k].index], p);
+  return sum > inside * HK_WHOLE_SOLID_ANGLE;
 }
 
 /* m, the distance to the surface; *nearest: a particle of the triangle there. */

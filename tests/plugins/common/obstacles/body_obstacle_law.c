@@ -266,6 +266,29 @@ static void a_body_that_starts_inside_is_refused(void **state) {
           1, "a rigid body starts inside the obstacle, by up to 0.05 m at its particle ");
 }
 
+/* A sphere, and a mesh, of which no point of the body is inside; beside the body, and hollow round it, they are fine.
+ */
+static void an_obstacle_within_a_body_is_refused(void **state) {
+  static const char *const within[2] = {
+      "shape = 'sphere', size = {0.1, 0.1, 0.1}, position = {0, 0, 0.2}",
+      "shape = 'mesh', vertices = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1}, position = {0, 0, 0.2}, "
+      "faces = {1, 3, 2, 1, 2, 4, 1, 4, 3, 2, 3, 4}"};
+  static const char *const apart[2] = {"shape = 'sphere', size = {0.1, 0.1, 0.1}, position = {0, 0, 0.7}",
+                                       "shape = 'sphere', size = {4, 4, 4}, hollow = true"};
+  static const char *const body = "local scene = hooke.scene { duration = 0.01, dt = 1e-3 }\n"
+                                  "scene:rigid { shape = 'box', size = 1, mass = 1 }:surface()\n";
+  char scene[1024];
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    snprintf(scene, sizeof scene, "%sscene:corrector('obstacle', { %s })\nreturn scene\n", body, within[k]);
+    refused(scene, 1, "(0, 0, 0.2) m is 0.3 m below the body's surface (particle ");
+    snprintf(scene, sizeof scene, "%sscene:corrector('obstacle', { %s })\nreturn scene\n", body, apart[k]);
+    refused(scene, 0, "");
+    snprintf(scene, sizeof scene, "%sscene:force('penalty', { %s, k = 10 })\nreturn scene\n", body, within[k]);
+    refused(scene, 0, "(0, 0, 0.2) m is 0.3 m below the body's surface (particle ");
+  }
+}
+
 /* A rod that leans back and is pushed over a floor of friction 3: 1 + 3 cos a (cos a - mu sin a) is below 0 at a = 1.2.
  * Pulled the other way, or with a friction of 0.5, it slides. */
 static void painleves_rod_ends_with_a_sentence(void **state) {
@@ -305,6 +328,7 @@ int main(void) {
       cmocka_unit_test(energy_never_rises),
       cmocka_unit_test(a_body_without_a_surface_is_told),
       cmocka_unit_test(a_body_that_starts_inside_is_refused),
+      cmocka_unit_test(an_obstacle_within_a_body_is_refused),
       cmocka_unit_test(painleves_rod_ends_with_a_sentence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
