@@ -103,7 +103,7 @@ end
 local checked, count = checked_keys(), 0
 checked.particle, checked.body = nil, nil -- those are read otherwise, and compared below
 for what, keys in pairs(checked) do
-  local of = keys_of("scene:" .. what) or keys_of("hooke." .. what) or keys_of(what)
+  local of = keys_of("rigid:" .. what) or keys_of("scene:" .. what) or keys_of("hooke." .. what) or keys_of(what)
   assert(of, ("nothing describes the keys of '%s'"):format(what))
   if what ~= "implicit" then
     compare(what, of, keys)

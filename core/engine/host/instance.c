@@ -52,6 +52,7 @@ void hk_instance_destroy(hk_instance *instance) {
     instance->plugin->destroy(instance->self, &instance->host);
     hk_leave(instance, outer);
   }
+  if (instance->shared->acting && *instance->shared->acting == instance) *instance->shared->acting = NULL;
   hk_memory_clear(&instance->blocks);
   free(instance->only);
   free(instance->active);

@@ -36,10 +36,10 @@ return validation.problem {
   noise = 0.01,
   tolerance = 0.003,
   why = "the aim is 1e-3; chance in the places of particles moves the frequency by 1e-3 to 3e-3, and by 1e-2 if all of it is chance",
-  quick = { space = { 8, 10, 12 }, tolerance = 0.08 },
+  quick = { space = { 12, 14, 16 }, tolerance = 0.02 },
   solve = function(at)
     local list = {}
-    for i, d in ipairs(depths) do list[i] = found(at.n, d, at.quick and 1 or 4) end
+    for i, d in ipairs(depths) do list[i] = found(at.n, d, at.quick and 2 or 4) end
     return list
   end,
 }

@@ -36,7 +36,10 @@ return {
   { name = "rigid:point", form = "body:point { x, y, z }", gives = "an id",
     text = "A point of the body, in its frame, m: a particle without mass that forces and constraints may take." },
   { name = "rigid:surface", form = "body:surface()", gives = "a handle",
-    text = "What touches: the vertices of its triangles; with a list of points these, and their ids." },
+    text = "What touches: the vertices of its triangles; with a list of points, before the table, these, and their ids.",
+    takes = [[
+radius | m | that of contact | of each of the points: exactly round balls; of a whole body round edges
+joined | - | false | points that follow each other are joined, two to a capsule]] },
   { name = "rigid:position", form = "body:position(state)", gives = "{x, y, z}, m", text = "Of the centre of mass." },
   { name = "rigid:velocity", form = "body:velocity(state)", gives = "{x, y, z}, m/s", text = "Of the centre of mass." },
   { name = "rigid:attitude", form = "body:attitude(state)", gives = "{w, x, y, z}, and a matrix", text = "How it is turned." },
