@@ -2,7 +2,6 @@
  * joint:frame() before the run, the four points by which forces on joints and stops know it. */
 #include "core/app/builders/builders.h"
 #include "core/app/builders/rigid_bodies.h"
-#include "core/engine/base/vector.h"
 
 #include <string.h>
 
@@ -99,8 +98,10 @@ static hk_lua_joint *self(lua_State *L, int kind, int other, const char *what) {
   return j;
 }
 
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 static void turned(const double R[9], const double y[3], double u[3]) {
-  for (int c = 0; c < 3; c++) u[c] = hk_dot(R + 3 * c, y);
+  for (int c = 0; c < 3; c++) u[c] = dot(R + 3 * c, y);
 }
 
 /* ---- what is free ---- */
@@ -131,9 +132,9 @@ static double angle_of(const hk_lua_joint *j, const motions *m) {
     now[c] = 0;
     for (int e = 0; e < 3; e++) now[c] += m->b.attitude[3 * e + c / 3] * m->a.attitude[3 * e + c % 3];
   }
-  for (int c = 0; c < 9; c++) Q[c] = hk_dot(now + c / 3 * 3, j->turned + c % 3 * 3);
+  for (int c = 0; c < 9; c++) Q[c] = dot(now + c / 3 * 3, j->turned + c % 3 * 3);
   double off[3] = {Q[7] - Q[5], Q[2] - Q[6], Q[3] - Q[1]};
-  return atan2(hk_dot(off, j->axis_b), Q[0] + Q[4] + Q[8] - 1);
+  return atan2(dot(off, j->axis_b), Q[0] + Q[4] + Q[8] - 1);
 }
 
 /* rad, from -pi to pi, 0 at the start. */
@@ -150,7 +151,7 @@ static int way(lua_State *L) {
   motions m = motions_of(L, j, "joint:way(state)");
   double far[3];
   for (int c = 0; c < 3; c++) far[c] = m.place[0][c] - m.place[1][c];
-  lua_pushnumber(L, hk_dot(far, m.axis));
+  lua_pushnumber(L, dot(far, m.axis));
   return 1;
 }
 
@@ -169,7 +170,7 @@ static int speed(lua_State *L) {
   velocity_at(&m.a, m.place[0], a);
   velocity_at(&m.b, m.place[0], b);
   for (int c = 0; c < 3; c++) off[c] = j->kind == HK_JOINT_HINGE ? m.a.spin[c] - m.b.spin[c] : a[c] - b[c];
-  lua_pushnumber(L, hk_dot(off, m.axis));
+  lua_pushnumber(L, dot(off, m.axis));
   return 1;
 }
 
@@ -222,7 +223,7 @@ static void add_pair(loads *l, uint32_t p, uint32_t q, const double f[3]) {
 static double between(const loads *l, uint32_t p, uint32_t q, double by, double f[3]) {
   const double *x = place_of(l, p), *y = place_of(l, q);
   for (int c = 0; c < 3; c++) f[c] = by * (y[c] - x[c]);
-  return sqrt(hk_dot(f, f));
+  return sqrt(dot(f, f));
 }
 
 /* g = L - |q - p|: its gradient at p is along q - p. */

@@ -18,7 +18,6 @@
  * have nu = 1/3, which is the only one that meshes take; others get Y and nu the more nearly, the more even they are. A
  * side of triangles so oblique that k would be below 0 (two angles differ by more than 90 degrees) has none. */
 #include "core/app/builders/builders.h"
-#include "core/engine/base/vector.h"
 
 #include <stdlib.h>
 
@@ -42,6 +41,8 @@ static const double *place(const hk_scene *scene, uint32_t id) {
   return scene->particles.position + 3 * (size_t)(id - 1);
 }
 
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 static void side(const hk_scene *scene, uint32_t from, uint32_t to, double d[3]) {
   for (int c = 0; c < 3; c++) d[c] = place(scene, to)[c] - place(scene, from)[c];
 }
@@ -57,8 +58,8 @@ static cell stiffness_of(lua_State *L, const hk_scene *scene, const hk_lua_handl
   if (h->nx < 2 || h->ny < 2) hk_lua_fail(L, HK_BAD_PARAM, "membrane: a grid of one row has no area");
   side(scene, h->first, h->first + 1, u);
   side(scene, h->first, h->first + h->nx, v);
-  double aa = hk_dot(u, u), bb = hk_dot(v, v), a = sqrt(aa), b = sqrt(bb);
-  if (!(a > 0 && b > 0 && fabs(hk_dot(u, v)) <= 1e-9 * a * b)) /* 1e-9: the sides are given to ten digits or so */
+  double aa = dot(u, u), bb = dot(v, v), a = sqrt(aa), b = sqrt(bb);
+  if (!(a > 0 && b > 0 && fabs(dot(u, v)) <= 1e-9 * a * b)) /* 1e-9: the sides are given to ten digits or so */
     hk_lua_fail(L, HK_BAD_PARAM, "membrane: the sides u and v of the grid's cells are not at a right angle");
   if (m->nu * fmax(aa / bb, bb / aa) > 1 + 1e-12)
     hk_lua_fail(L, HK_BAD_PARAM,
@@ -120,7 +121,7 @@ static double side_stiffness(const hk_scene *scene, uint32_t b, uint32_t c, uint
   double e[3], u[3];
   side(scene, b, c, e);
   side(scene, b, a, u);
-  double ee = hk_dot(e, e), before = hk_dot(u, e), twice = sqrt(fmax(0, hk_dot(u, u) * ee - before * before));
+  double ee = dot(e, e), before = dot(u, e), twice = sqrt(fmax(0, dot(u, u) * ee - before * before));
   return twice > 0 ? 3.0 / 8 * (twice * twice + before * (ee - before)) / (twice * ee) : 0;
 }
 

@@ -94,10 +94,9 @@ void hk_tile_leave(const hk_tiles *tiles, size_t at) {
   const hk_instance *volatile *acting = tiles->shared->acting, *other = tiles->client;
   tiles->sum[at].at_work = NULL;
   hk_acting_here = NULL;
-  if (!acting) return;
   for (size_t k = 0; k < tiles->sums; k++)
     if (tiles->sum[k].at_work) other = tiles->sum[k].at_work;
-  __atomic_store_n(acting, other, __ATOMIC_RELAXED);
+  if (acting) __atomic_store_n(acting, other, __ATOMIC_RELAXED);
 }
 
 bool hk_tile_takes(const hk_tiles *tiles, size_t k) { return tiles->chosen[k] && tiles->acts[k] && tiles->takes[k]; }

@@ -145,10 +145,9 @@ static double begin_tile(hk_tiles *tiles, size_t sums, bool sampled) {
   return sampled ? hk_clock() : 0;
 }
 
-/* A thread that leaves may have put another one's plugin in `acting` just after that one had left. */
 static hk_status end_tile(hk_tiles *tiles, size_t steps, bool sampled, double begin) {
   uint64_t bad = 0;
-  if (tiles->shared->acting) *tiles->shared->acting = tiles->client;
+  if (tiles->shared->acting) *tiles->shared->acting = tiles->client; /* not one that left beside another thread */
   for (size_t k = 0; k < tiles->sums; k++) bad |= tiles->sum[k].bad;
   account(tiles, steps, sampled, sampled ? hk_clock() - begin : 0);
   return bad ? HK_NOT_FINITE : HK_OK;

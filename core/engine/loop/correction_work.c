@@ -6,7 +6,6 @@
  * a particle that was corrected it counts across its change of velocity only: along this the motion is not the
  * method's. */
 #include "core/engine/loop/correction_work.h"
-#include "core/engine/base/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,6 +16,11 @@ typedef struct step {
   const double *before, *free, *now; /* states, the last corrected */
   double *a[2], *x, *v, *rates;      /* accelerations at both ends, n x 3; of an evaluation: where, and behind v in X */
 } step;
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Across the unit vector n; 0: in all directions. */
+static double across(const double *n, const double *a, const double *b) { return dot(a, b) - dot(a, n) * dot(b, n); }
 
 /* J, of the free step and all free particles. */
 static double strayed(const step *p) {
@@ -30,10 +34,9 @@ static double strayed(const step *p) {
       mean[c] = (p->a[0][3 * i + c] + p->a[1][3 * i + c]) / 2;
       way[c] = p->free[3 * i + c] - p->before[3 * i + c];
     }
-    double change = sqrt(hk_dot(along, along));
+    double change = sqrt(dot(along, along));
     for (int c = 0; c < 3 && change > 0; c++) along[c] /= change;
-    sum += p->s->mass[i] *
-           ((hk_dot_across(along, v_to, v_to) - hk_dot_across(along, v, v)) / 2 - hk_dot_across(along, mean, way));
+    sum += p->s->mass[i] * ((across(along, v_to, v_to) - across(along, v, v)) / 2 - across(along, mean, way));
   }
   return sum;
 }
@@ -51,7 +54,7 @@ static hk_status work_along(hk_loop *loop, step *p, const double *to, double h, 
     status = loop->dynamics->system.accelerations(&loop->dynamics->system, p->s->t - (1 - k) * h, p->x, p->v, X + 6 * n,
                                                   p->a[k], p->rates);
     for (size_t i = 0; i < n; i++)
-      if (p->s->inverse_mass[i] > 0) *forces += h / 2 * p->s->mass[i] * hk_dot(p->a[k] + 3 * i, p->v + 3 * i);
+      if (p->s->inverse_mass[i] > 0) *forces += h / 2 * p->s->mass[i] * dot(p->a[k] + 3 * i, p->v + 3 * i);
     *rest += h / 2 * p->rates[p->s->size - 6 * n - 1];
   }
   return status;

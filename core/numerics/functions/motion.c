@@ -8,10 +8,11 @@
  * The second is the left Jacobian of the exponential map (Bullo and Murray 1995, "Proportional derivative control on
  * the Euclidean group"). */
 #include "core/numerics/functions/functions.h"
-#include "core/engine/base/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static void cross(double to[3], const double a[3], const double b[3]) {
   to[0] = a[1] * b[2] - a[2] * b[1];
@@ -68,16 +69,16 @@ static coefficients coefficients_of(double s) {
 static hk_scripted_motion *scripted(hk_pin_motion *motion) { return (hk_scripted_motion *)(void *)motion; }
 
 void hk_rotation(const double r[3], double R[9]) {
-  coefficients q = coefficients_of(hk_dot(r, r));
+  coefficients q = coefficients_of(dot(r, r));
   const double skew[9] = {0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0};
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
-      R[3 * i + j] = (i == j ? 1 - q.g * hk_dot(r, r) : 0) + q.f * skew[3 * i + j] + q.g * r[i] * r[j];
+      R[3 * i + j] = (i == j ? 1 - q.g * dot(r, r) : 0) + q.f * skew[3 * i + j] + q.g * r[i] * r[j];
 }
 
 /* r = value, r' = value + 3 */
 static void turn_by(hk_pin_motion *m, const double *r, const double *rate) {
-  coefficients q = coefficients_of(hk_dot(r, r));
+  coefficients q = coefficients_of(dot(r, r));
   double twice[3];
   hk_rotation(r, m->turn);
   cross(twice, r, rate);
@@ -107,8 +108,8 @@ static hk_status bend(hk_pin_motion *motion, double t, hk_error *error) {
   if (status != HK_OK || !motion->turns) return status;
   status = hk_path_acceleration(&m->rotation, t, second, error);
   const double *r = m->rotation.value, *rate = r + HK_COLUMNS;
-  coefficients q = coefficients_of(hk_dot(r, r));
-  double growth = 2 * hk_dot(r, rate); /* of the square of the angle */
+  coefficients q = coefficients_of(dot(r, r));
+  double growth = 2 * dot(r, rate); /* of the square of the angle */
   cross(once, r, rate);
   cross(twice, r, once);
   cross(more, r, second);
@@ -131,7 +132,7 @@ void hk_motion_open(hk_scripted_motion *m, const hk_function *offset, const hk_f
 static void reach(hk_scripted_motion *m, const double origin[3]) {
   double p[3];
   for (int c = 0; c < 3; c++) p[c] = origin[c] - m->motion.center[c];
-  m->reach = fmax(m->reach, sqrt(hk_dot(p, p)));
+  m->reach = fmax(m->reach, sqrt(dot(p, p)));
 }
 
 hk_status hk_motions_open(hk_pins *pins, double end, hk_error *error) {

@@ -14,7 +14,6 @@
  * follows for every T. */
 #include "core/engine/contract/contract.h"
 #include "core/run/judge/judge.h"
-#include "core/engine/base/vector.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -34,6 +33,8 @@ typedef struct collector {
 
 typedef void force_at(const void *self, const double r[3], double F[3]);
 
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 static void at(const hk_encounter *p, double u, force_at *force, const void *self, double F[3]) {
   double r[3];
   for (int c = 0; c < 3; c++) r[c] = p->r[c] + u * p->dr[c];
@@ -47,12 +48,12 @@ typedef struct parts {
 } parts;
 
 static parts split(const double F[3], const double *dr, double length) {
-  parts p = {hk_dot(F, dr) / length, {0}};
+  parts p = {dot(F, dr) / length, {0}};
   for (int c = 0; c < 3; c++) p.across[c] = F[c] - p.along * dr[c] / length;
   return p;
 }
 
-static double across(const parts *p) { return sqrt(hk_dot(p->across, p->across)); }
+static double across(const parts *p) { return sqrt(dot(p->across, p->across)); }
 
 static void add_parts(parts *sum, const parts *p, double weight) {
   sum->along += weight * p->along;
@@ -63,7 +64,7 @@ static void add_parts(parts *sum, const parts *p, double weight) {
  * width sinh(theta). */
 static void integrate(const hk_encounter *p, double length, force_at *force, const void *self, parts *sum,
                       double size[2]) {
-  double nearest = -hk_dot(p->r, p->dr) / (length * length), width = p->range / length;
+  double nearest = -dot(p->r, p->dr) / (length * length), width = p->range / length;
   double first = asinh((-1 - nearest) / width), last = asinh((2 - nearest) / width);
   int count = (int)fmax(LEAST_INTERVALS, ceil((last - first) / spacing));
   double step = (last - first) / count;
@@ -113,7 +114,7 @@ static void note(const collector *w, uint32_t i, double dv) {
 static void add(hk_encounters *encounters, const hk_encounter *p, force_at *force, const void *self) {
   collector *w = (collector *)(void *)encounters;
   const double *inverse_mass = w->loop->state->inverse_mass;
-  double length = sqrt(hk_dot(p->dr, p->dr)), of_i = inverse_mass[p->i],
+  double length = sqrt(dot(p->dr, p->dr)), of_i = inverse_mass[p->i],
          of_other = p->other == p->i ? 0 : inverse_mass[p->other];
   if (!(length > few_ranges * p->range) || !(p->range > DBL_MIN * length) || !(of_i + of_other > 0)) return;
   double most = 2 * length / w->h, dv = fmin(w->h * unseen(p, length, force, self) * (of_i + of_other), most);

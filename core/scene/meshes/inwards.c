@@ -2,7 +2,6 @@
  * solution of n.d = -distance for all their normals. The normal equations of least squares have it, sum n n^T d =
  * -distance sum n, by Cramer's rule; corners of which no place is as far from all of its faces are refused. */
 #include "core/scene/meshes/meshes.h"
-#include "core/engine/base/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +12,8 @@ static const double exact = 1e-9, degenerate = 1e-6; /* of the distance; of a de
 static void cross(const double a[3], const double b[3], double out[3]) {
   for (int c = 0; c < 3; c++) out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
 }
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* Twice the area times the normal. */
 static void area_of(const double *vertex, const uint32_t t[3], double out[3]) {
@@ -26,7 +27,7 @@ static void area_of(const double *vertex, const uint32_t t[3], double out[3]) {
 
 static bool normal_of(const hk_mesh *m, size_t t, double out[3]) {
   area_of(m->vertex, m->triangle[t], out);
-  double size = sqrt(hk_dot(out, out));
+  double size = sqrt(dot(out, out));
   for (int c = 0; c < 3; c++) out[c] /= size;
   return size > 0;
 }
@@ -49,7 +50,7 @@ static bool add_normals(const hk_mesh *m, double (*A)[12]) {
 static bool solve(const double A[12], double d[3]) {
   double across[3][3], size = (A[0] + A[4] + A[8]) / 3;
   for (int r = 0; r < 3; r++) cross(A + 3 * ((r + 1) % 3), A + 3 * ((r + 2) % 3), across[r]);
-  double det = hk_dot(A, across[0]);
+  double det = dot(A, across[0]);
   if (!(det > degenerate * size * size * size)) return false;
   for (int c = 0; c < 3; c++) d[c] = (A[9] * across[0][c] + A[10] * across[1][c] + A[11] * across[2][c]) / det;
   return true;
@@ -68,9 +69,9 @@ static const char *find_corners(const hk_mesh *m, double (*A)[12], double distan
     double n[3], now[3];
     if (!normal_of(m, t, n)) return refused;
     for (int c = 0; c < 3; c++)
-      if (!(fabs(hk_dot(n, A[m->triangle[t][c]]) - 1) <= exact)) return refused;
+      if (!(fabs(dot(n, A[m->triangle[t][c]]) - 1) <= exact)) return refused;
     area_of(to, m->triangle[t], now);
-    if (!(hk_dot(now, n) > 0)) return "it is half of the body's least extent or more: make it smaller";
+    if (!(dot(now, n) > 0)) return "it is half of the body's least extent or more: make it smaller";
   }
   return NULL;
 }

@@ -2,7 +2,6 @@
  * unit vectors across each other as long as the distances hold; the spin is I^-1 L, with the angular momentum L of the
  * particles about the centre, so that spin, energy and momenta agree. */
 #include "core/scene/rigid/rigid.h"
-#include "core/engine/base/vector.h"
 
 #include <math.h>
 
@@ -12,9 +11,11 @@ static void cross(const double a[3], const double b[3], double to[3]) {
   to[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 /* d[1] and d[2] of a rod: `axes`, the principal axes at the start, turned the shortest way from axes[0] to d[0]. */
 static void complete_rod(double axes[3][3], double d[3][3]) {
-  double w[3], s = 1 + hk_dot(axes[0], d[0]);
+  double w[3], s = 1 + dot(axes[0], d[0]);
   cross(axes[0], d[0], w);
   for (int k = 1; k < 3; k++) {
     double turned[3], again[3];
@@ -47,7 +48,7 @@ static void find_momenta(const hk_rigid_body *b, const double *x, const double *
     for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - m->center[c], u[c] = v[3 * i + c] - m->velocity[c];
     cross(r, u, l);
     for (int c = 0; c < 3; c++) m->angular_momentum[c] += each * l[c];
-    m->energy += each / 2 * hk_dot(v + 3 * i, v + 3 * i);
+    m->energy += each / 2 * dot(v + 3 * i, v + 3 * i);
   }
   for (int c = 0; c < 3; c++) m->momentum[c] = b->mass * m->velocity[c];
 }
@@ -63,7 +64,7 @@ hk_rigid_motion hk_rigid_motion_of(const hk_rigid_body *b, const double *x, cons
   find_directions(b, x, m.center, d);
   find_momenta(b, x, v, &m);
   for (int k = 0; k < 3; k++) {
-    double inertia = hk_rigid_body_inertia(b, k), along = inertia > 0 ? hk_dot(d[k], m.angular_momentum) / inertia : 0;
+    double inertia = hk_rigid_body_inertia(b, k), along = inertia > 0 ? dot(d[k], m.angular_momentum) / inertia : 0;
     for (int c = 0; c < 3; c++) {
       m.spin[c] += along * d[k][c];
       for (int e = 0; e < 3; e++) m.attitude[3 * c + e] += d[k][c] * b->axes[3 * e + k];
