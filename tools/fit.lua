@@ -143,13 +143,11 @@ end
 local function options()
   local o = command_line.parse("fit", parser())
   if not o then return nil end
-  local why
-  o.scene, o.params, why = command_line.scene(o.scene)
-  if not o.scene then return nil, why or "no scene is named" end
+  local fine, why = command_line.take_scene("fit", o)
+  if not fine then return nil, why end
   if not o.data then return nil, "no data: --data FILE.csv" end
   o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
-  o.out = o.out or "out/fit/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
 end
 

@@ -32,13 +32,11 @@ end
 local function options()
   local o = command_line.parse("gradient", parser())
   if not o then return nil end
-  local why
-  o.scene, o.params, why = command_line.scene(o.scene)
-  if not o.scene then return nil, why or "no scene is named" end
+  local fine, why = command_line.take_scene("gradient", o)
+  if not fine then return nil, why end
   if not o.of then return nil, "no measure: --of MEASURE" end
   o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
-  o.out = o.out or "out/gradient/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
 end
 

@@ -116,12 +116,10 @@ end
 local function options()
   local o = command_line.parse("optimise", parser())
   if not o then return nil end
-  local why
-  o.scene, o.params, why = command_line.scene(o.scene)
-  if not o.scene then return nil, why or "no scene is named" end
+  local fine, why = command_line.take_scene("optimise", o)
+  if not fine then return nil, why end
   o.goals, why = goals_of(o.goal)
   if not o.goals then return nil, why end
-  o.out = o.out or "out/optimise/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   o.independent = independent
   return o
 end

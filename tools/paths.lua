@@ -50,9 +50,8 @@ end
 local function options()
   local o = command_line.parse("paths", parser())
   if not o then return nil end
-  local why
-  o.scene, o.params, why = command_line.scene(o.scene)
-  if not o.scene then return nil, why or "no scene is named" end
+  local fine, why = command_line.take_scene("paths", o)
+  if not fine then return nil, why end
   o.methods, why = methods.with_steps(o.integrators)
   if not o.methods then return nil, why end
   o.ids, why = ids_of(o.of)
@@ -65,7 +64,6 @@ local function options()
   if curves > most_curves then
     return nil, ("%d curves (particles times methods) cannot be told apart: at most %d"):format(curves, most_curves)
   end
-  o.out = o.out or "out/paths/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
 end
 

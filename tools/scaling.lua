@@ -201,15 +201,13 @@ end
 local function options()
   local o = command_line.parse("scaling", parser())
   if not o then return nil end
-  local why
-  o.scene, o.params, why = command_line.scene(o.scene)
-  if not o.scene then return nil, why or "no scene is named" end
+  local fine, why = command_line.take_scene("scaling", o)
+  if not fine then return nil, why end
   o.name, o.values = take_sizes(o.params)
   if not o.name then return nil, o.values end
   o.methods, why = methods.with_steps(o.integrators)
   if not o.methods then return nil, why end
   if #o.methods == 0 then o.methods = { { label = "the scene's method" } } end
-  o.out = o.out or "out/scaling/" .. o.scene:match("([^/]+)$"):gsub("%.lua$", "")
   return o
 end
 

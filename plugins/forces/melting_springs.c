@@ -63,11 +63,6 @@ static double softened(const melting_springs *s, const hk_view *view, const uint
   return fmin(1, fmax(0, part));
 }
 
-static bool breaks(const melting_springs *s, size_t e, double l) {
-  double L = hk_tuple_value(&s->rest, e);
-  return s->breaking.count && l - L > hk_tuple_value(&s->breaking, e) * L;
-}
-
 static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution *report) {
   const melting_springs *s = self;
   (void)h;
@@ -76,7 +71,7 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
     double d[3], *q = variables(s, e);
     if (!hk_edge_acts(view, pair) || q[GONE] > 0) continue;
     double l = hk_edge_difference(view->x, pair, d), x = l - hk_tuple_value(&s->rest, e);
-    double lost = breaks(s, e, l) ? 1 : softened(s, view, pair);
+    double lost = hk_edge_breaks(&s->rest, &s->breaking, e, l) ? 1 : softened(s, view, pair);
     if (lost == q[LOST]) continue;
     report->dissipated += (lost - q[LOST]) * hk_tuple_value(&s->k, e) * x * x / 2;
     report->changed = true;

@@ -75,11 +75,6 @@ static void law(const void *self, const hk_view *view, size_t e, double l, doubl
   *a = (hk_edge_answer){.force = r.force, .energy = r.stored + r.lost, .stiffness = r.stiffness};
 }
 
-static bool breaks(const plastic_springs *s, size_t e, double l) {
-  double L = hk_tuple_value(&s->rest, e);
-  return s->breaking.count && l - L > hk_tuple_value(&s->breaking, e) * L;
-}
-
 static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution *report) {
   const plastic_springs *s = self;
   (void)h;
@@ -92,7 +87,7 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
     q[PLASTIC] += r.plastic;
     q[HARDENED] += fabs(r.plastic);
     report->dissipated += r.lost;
-    if (!breaks(s, e, l)) continue;
+    if (!hk_edge_breaks(&s->rest, &s->breaking, e, l)) continue;
     q[BROKEN] = 1;
     report->dissipated += r.stored;
     report->changed = report->pattern_changed = true;

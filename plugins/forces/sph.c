@@ -205,12 +205,12 @@ static void bound_waves(const task *t, double compression) {
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   task t;
   if (part == HK_DAMPING_WHOLE) return;
-  bool known = begin(&t, self, view) == HK_OK;
+  if (begin(&t, self, view) != HK_OK) {
+    hk_sph_bound_unknown(view, block);
+    return;
+  }
   t.block = block;
-  if (known) find_all(&t);
-  for (size_t i = 0; !known && i < view->n; i++)
-    for (int c = 0; c < 6; c++) block[i][c] = INFINITY;
-  if (!known) return;
+  find_all(&t);
   double compression = largest_compression(t.self, view);
   if (compression < crowded)
     bound_waves(&t, compression);

@@ -171,11 +171,12 @@ static void bound_chunk(void *context, size_t first, size_t end, size_t chunk) {
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   task t;
   if (part == HK_DAMPING_WHOLE) return;
-  bool known = begin(&t, self, view) == HK_OK;
+  if (begin(&t, self, view) != HK_OK) {
+    hk_sph_bound_unknown(view, block);
+    return;
+  }
   t.block = block;
-  if (known) view->host->parallel_for(view->host, view->acting, HK_SPH_GRAIN, bound_chunk, &t);
-  for (size_t i = 0; !known && i < view->n; i++)
-    for (int c = 0; c < 6; c++) block[i][c] = INFINITY;
+  view->host->parallel_for(view->host, view->acting, HK_SPH_GRAIN, bound_chunk, &t);
 }
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {

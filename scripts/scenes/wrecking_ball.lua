@@ -1,5 +1,6 @@
 -- wrecking_ball.lua: a ball on a chain of links, rigid bodies in ball joints, swings into a wall of bricks that friction alone holds. The
 -- measure `displaced` counts the bricks that are out of their place by more than half of their height; `speed of the ball`, m/s.
+local brick_wall = require("brick_wall")
 local links = param("links", 6, "of the chain", { min = 1 })
 local rows = param("rows", 4, "of bricks", { min = 1 })
 local columns = param("columns", 2, "bricks in a row", { min = 1 })
@@ -9,17 +10,8 @@ local mu = param("friction", 0.6, "")
 
 local scene = hooke.scene { duration = T, fps = 50, dt = 1 / 500, integrator = "leapfrog" }
 
-local g, size, thickness, gap, r = 9.81, { 0.24, 0.115, 0.07 }, 0.002, 0.01, 0.1
-local bricks, place = {}, {}
-for row = 1, rows do
-  for column = 1, columns do
-    local x = (column - (columns + 1) / 2 + (row % 2) / 4 - 0.125) * (size[1] + gap)
-    place[#place + 1] = { x, 0, (row - 0.5) * (size[3] + thickness) }
-    bricks[#bricks + 1] = scene:rigid { shape = "box", size = size, density = 1800, position = place[#place] }
-    bricks[#bricks]:surface()
-  end
-end
-scene:body { shape = "box", size = { 6, 6, 0.2 }, position = { 0, 0, -0.1 } }
+local g, size, thickness, r = 9.81, brick_wall.size, 0.002, 0.1
+local wall = brick_wall.build(scene, rows, columns, thickness)
 
 -- The chain is straight, `angle` off the vertical; upright, the ball would touch the wall's middle.
 local length, low = 0.8, 0.5 * rows * size[3]
@@ -39,15 +31,7 @@ scene:joint { kind = "ball", a = ball, b = last, at = along(length - r) }
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:corrector("contact", { thickness = thickness, friction = mu })
 
-scene:measure("displaced", function(s)
-  local count = 0
-  for k, b in ipairs(bricks) do
-    local x, out = b:position(s), 0
-    for c = 1, 3 do out = out + (x[c] - place[k][c]) ^ 2 end
-    if out > (size[3] / 2) ^ 2 then count = count + 1 end
-  end
-  return count
-end)
+scene:measure("displaced", wall.displaced)
 scene:measure("speed of the ball", function(s) return math.sqrt(2 * ball:energy(s) / ball.mass) end)
 scene:output("frames", { width = 960, height = 540, legend = false, particles = "off",
   from = { 1.5, -1.3, 0.8 }, look_at = { 0, -0.15, 0.35 }, springs = "off", tube = 0.001 })

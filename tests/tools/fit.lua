@@ -1,28 +1,8 @@
 -- hooke fit as a user meets it: stiffness and damping from a motion given by its formula, a minimum beside the best one,
 -- parameters that the data cannot tell, an interrupted fit that goes on, and what is refused before the first run.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function write(name, text) files.write(folder .. "/" .. name, text) end
-local function read(name) return assert(files.read(folder .. "/" .. name), name) end
-
--- The exit code and all that is printed.
-local function fit(arguments, before)
-  local pipe = io.popen(("cd %s && %s %s/hooke fit %s --quiet 2>&1"):format(folder, before or "", build, arguments))
-  local text = pipe:read("a")
-  local _, _, code = pipe:close()
-  return code, text
-end
-
-local function refused(arguments, wanted)
-  local code, text = fit(arguments)
-  assert(code == 1 and text:find(wanted, 1, true) and not text:find("\n.", 1), ("%s: exit %d: %s"):format(arguments, code, text))
-end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "fit", "--quiet")
+local write, read, fit, refused = runs.write, runs.read, runs.run, runs.refused
 
 local function value(text, name)
   local found, sd, steps = text:match("\n  " .. name .. " +(%S+) +(%S+) +(%S+)")
@@ -88,7 +68,7 @@ local _, again = fit("swing.lua --data motion.csv --by w2,g --out stopped")
 local _, whole = fit("swing.lua --data motion.csv --by w2,g --out whole")
 local rest, all = tonumber(again:match("(%d+) runs")), tonumber(whole:match("(%d+) runs"))
 assert(rest <= all - 5, again .. whole)
-assert(value(again, "w2") == value(whole, "w2") and not io.open(folder .. "/stopped/runs.json"))
+assert(value(again, "w2") == value(whole, "w2") and not io.open(runs.folder .. "/stopped/runs.json"))
 
 -- ---- what is refused ----
 
@@ -126,4 +106,4 @@ refused("swing.lua --data two.csv --by w2", "'x' has no column x_sd")
 refused("swing.lua --data some.csv --by w2", "some numbers have a standard deviation and some have none (line 3)")
 refused("swing.lua --data alone.csv --by w2", "'speed_sd' is there, 'speed' is not")
 refused("none.lua --data motion.csv --by k", "the scene has no parameter 'k'; it has none: param(name, default)")
-os.execute("rm -r " .. folder)
+runs.close()

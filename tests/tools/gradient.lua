@@ -1,28 +1,8 @@
 -- hooke gradient as a user meets it: derivatives that are known in closed form, forwards and backwards, a kink that is said,
 -- and what is refused in one sentence.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function write(name, text) files.write(folder .. "/" .. name, text) end
-local function read(name) return assert(files.read(folder .. "/" .. name), name) end
-
--- The exit code and all that is printed.
-local function gradient(arguments)
-  local pipe = io.popen(("cd %s && %s/hooke gradient %s 2>&1"):format(folder, build, arguments))
-  local text = pipe:read("a")
-  local _, _, code = pipe:close()
-  return code, text
-end
-
-local function refused(arguments, wanted)
-  local code, text = gradient(arguments)
-  assert(code == 1 and text:find(wanted, 1, true) and not text:find("\n.", 1), ("%s: exit %d: %s"):format(arguments, code, text))
-end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "gradient")
+local write, read, gradient, refused = runs.write, runs.read, runs.run, runs.refused
 
 -- The derivative, the part of the steps in it and that of rounding.
 local function derivative(text, name)
@@ -129,4 +109,4 @@ return scene
 ]])
 refused("more.lua --of x --by count", "count: it changes the number or the order of the particles")
 
-os.execute("rm -r " .. folder)
+runs.close()

@@ -1,28 +1,8 @@
 -- hooke optimise as a user meets it: optima in closed form and by multipliers, goals that contradict each other, and what is
 -- refused in one sentence.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function write(name, text) files.write(folder .. "/" .. name, text) end
-local function read(name) return assert(files.read(folder .. "/" .. name), name) end
-
--- The exit code and all that is printed.
-local function hooke(arguments)
-  local pipe = io.popen(("cd %s && %s/hooke %s --quiet 2>&1"):format(folder, build, arguments))
-  local text = pipe:read("a")
-  local _, _, code = pipe:close()
-  return code, text
-end
-
-local function refused(arguments, wanted)
-  local code, text = hooke("optimise " .. arguments)
-  assert(code == 1 and text:find(wanted, 1, true) and not text:find("\n.", 1), ("%s: exit %d: %s"):format(arguments, code, text))
-end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "optimise", "--quiet")
+local write, read, hooke, refused = runs.write, runs.read, runs.hooke, runs.refused
 
 local function optimum(arguments)
   local code, text = hooke("optimise " .. arguments)
@@ -87,4 +67,4 @@ refused("push.lua --goal y=1", "the scene has no measure 'y'")
 refused("push.lua --goal x=1 --by pusch", "the scene has no control 'pusch'; did you mean 'push'?")
 refused("push.lua --goal x=1 push='2: 1 b'", "'b' is not a finite number")
 
-os.execute("rm -r " .. folder)
+runs.close()

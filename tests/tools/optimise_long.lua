@@ -1,25 +1,17 @@
 -- Optima of motions that turn over, which are known by multipliers: a pendulum swung up, by shooting with Pontryagin's
 -- equations here, and the cart-pole of Kelly, SIAM Review 59, 2017, whose cost is known to nine digits.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function write(name, text) files.write(folder .. "/" .. name, text) end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "optimise", "--quiet")
 
 local function optimum(arguments)
-  local pipe = io.popen(("cd %s && %s/hooke optimise %s --quiet 2>&1"):format(folder, build, arguments))
-  local text = pipe:read("a")
-  assert(pipe:close(), text)
+  local code, text = runs.run(arguments)
+  assert(code == 0, text)
   return tonumber(text:match("optimum 1: (%S+)")), text
 end
 
 -- ---- a pendulum: q'' = u - sin q from rest at 0 to rest at pi in 4 s ----
 
-write("swing_up.lua", [[
+runs.write("swing_up.lua", [[
 local control = require("control")
 local torque = control("torque", { knots = 61, duration = 4 })
 local scene = hooke.scene { duration = 4, fps = 10, integrator = "rk4", dt = 0.02 }
@@ -52,7 +44,7 @@ local function shoot(l1, l2)
 end
 
 -- Newton's method from what the first two values of the optimum say: l2 = -2 u, l1 = 2 u'.
-local first, second = files.read(folder .. "/out/optimise/swing_up/1-torque.txt"):match("^%S+ (%S+) (%S+)")
+local first, second = runs.read("out/optimise/swing_up/1-torque.txt"):match("^%S+ (%S+) (%S+)")
 local l1, l2 = 2 * (second - first) / (4 / 60), -2 * tonumber(first)
 for _ = 1, 30 do
   local y, d = shoot(l1, l2), 1e-6
@@ -67,7 +59,7 @@ assert(math.abs(cost - y[5]) < 1e-5 * y[5], ("%.9g\n%s"):format(y[5], text))
 
 -- ---- a cart of 1 kg with a pole of 0.5 m and 0.3 kg: 1 m to the side and upright in 2 s ----
 
-write("cart_pole.lua", [[
+runs.write("cart_pole.lua", [[
 local control = require("control")
 local push = control("push", { knots = 81, duration = 2 })
 local m1, m2, l, g = 1, 0.3, 0.5, 9.81
@@ -87,4 +79,4 @@ return scene
 cost, text = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0")
 assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s apart cost 2.3e-4 more
 
-os.execute("rm -r " .. folder)
+runs.close()

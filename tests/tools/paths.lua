@@ -1,26 +1,10 @@
 -- hooke paths: Euler's spiral and leapfrog's ring in closed form, particles that are born and drained, and what it refuses.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function paths(arguments)
-  local pipe = io.popen(("cd %s && %s/hooke paths %s 2>&1"):format(folder, build, arguments))
-  local text = pipe:read("a")
-  local _, _, code = pipe:close()
-  return code, text
-end
-
-local function refused(arguments, wanted)
-  local code, text = paths(arguments)
-  assert(code ~= 0 and text:find(wanted, 1, true), ("%s: exit %d: %s"):format(arguments, code, text))
-end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "paths")
+local write, read, paths, refused = runs.write, runs.read, runs.run, runs.fails
 
 -- w = 2 1/s: Euler multiplies the radius by sqrt(1 + h^2 w^2) in each step.
-files.write(folder .. "/circle.lua", [[
+write("circle.lua", [[
 local scene = hooke.scene { duration = 1, fps = 60, integrator = "leapfrog", dt = 1e-3 }
 scene:particle { position = { 1, 0, 0 }, velocity = { 0, 0, 2 }, mass = 1 }
 scene:force("central", { strength = 4, power = 1 })
@@ -29,7 +13,7 @@ return scene
 local code, text = paths("circle.lua --integrators euler@0.05,leapfrog --out new/ring")
 assert(code == 0, text)
 local rows = { euler = {}, leapfrog = {} }
-for line in assert(files.read(folder .. "/new/ring/paths.csv")):gmatch("[^\n]+") do
+for line in read("new/ring/paths.csv"):gmatch("[^\n]+") do
   local method, id, t, x, y, z = line:match('^"(%a+)[^"]*",(%d+),([^,]+),([^,]+),([^,]+),([^,]+)$')
   if method then table.insert(rows[method], { id = id, t = t + 0, x = x + 0, y = y + 0, z = z + 0 }) end
 end
@@ -41,11 +25,11 @@ for k, row in ipairs(rows.euler) do
 end
 local last = rows.leapfrog[61] -- (h w)^2 / 24 of a swing of 2 radians: 3.4e-7
 assert(math.abs(last.x - math.cos(2)) < 1e-6 and math.abs(last.z - math.sin(2)) < 1e-6)
-local drawn = assert(files.read(folder .. "/new/ring/paths.gp"))
+local drawn = read("new/ring/paths.gp")
 assert(drawn:find("set xlabel 'x, m'", 1, true) and drawn:find("set ylabel 'z, m'", 1, true), drawn) -- the plane of the motion
 
 -- A particle that a drain takes away, or that is born, has a path as long as it is there.
-files.write(folder .. "/drained.lua", [[
+write("drained.lua", [[
 local scene = hooke.scene { duration = 1, fps = 10, integrator = "leapfrog", dt = 0.1 }
 scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 }, mass = 1 }
 scene:particle { position = { 0, 5, 0 }, velocity = { 1, 0, 0 }, mass = 1 }
@@ -54,9 +38,9 @@ return scene
 ]])
 code, text = paths("drained.lua --integrators leapfrog --of 1,2 --axes tx --out drained")
 assert(code == 0, text)
-text = assert(files.read(folder .. "/drained/paths.csv"))
+text = read("drained/paths.csv")
 assert(select(2, text:gsub('\n"leapfrog",1,[^,]+,,,', "")) >= 5 and not text:find('",2,[^,]+,,'), text)
-assert(files.read(folder .. "/drained/paths.gp"):find("set xlabel 't, s'", 1, true))
+assert(read("drained/paths.gp"):find("set xlabel 't, s'", 1, true))
 
 refused("", "missing argument 'scene'")
 refused("none.lua", "none.lua")
@@ -69,4 +53,4 @@ refused("circle.lua --of 1,2,3,4,5,6,7", "28 curves (particles times methods) ca
 code, text = paths("circle.lua --integrators rk4,verlet --out half") -- one that fails leaves the others
 assert(code == 0 and text:find("no integrator 'verlet'", 1, true), text)
 
-os.execute("rm -rf " .. folder)
+runs.close()

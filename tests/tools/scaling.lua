@@ -1,27 +1,7 @@
 -- hooke scaling: the particles, steps and costs of its table, what it draws beside them, and what it refuses.
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
-local files = require("files")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
-
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. folder))
-
-local function write(name, text) files.write(folder .. "/" .. name, text) end
-local function read(name) return assert(files.read(folder .. "/" .. name), name) end
-
--- The exit code and all that is printed.
-local function scaling(arguments)
-  local pipe = io.popen(("cd %s && %s/hooke scaling %s --quiet 2>&1"):format(folder, build, arguments))
-  local text = pipe:read("a")
-  local _, _, code = pipe:close()
-  return code, text
-end
-
-local function refused(arguments, wanted)
-  local code, text = scaling(arguments)
-  assert(code ~= 0 and text:find(wanted, 1, true), ("%s: exit %d: %s"):format(arguments, code, text))
-end
+local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "scaling", "--quiet")
+local write, read, scaling, refused = runs.write, runs.read, runs.run, runs.fails
 
 write("row.lua", [[
 local N = param("N", 4, "particles", { min = 2, max = 100 })
@@ -61,4 +41,4 @@ refused("none.lua N=2,3", "none.lua")
 code, text = scaling("row.lua N=3,1000 --budget 0.01 --out half") -- a size that fails leaves the others
 assert(code == 0 and text:find("1000 row.lua:1: parameter N: 1000 is above the maximum 100", 1, true), text)
 
-os.execute("rm -rf " .. folder)
+runs.close()

@@ -137,6 +137,11 @@ hk_status hk_sph_begin(hk_sph *s, const hk_view *view, hk_neighbour_rows *rows) 
   return status;
 }
 
+void hk_sph_bound_unknown(const hk_view *view, double (*block)[6]) {
+  for (size_t i = 0; i < view->n; i++)
+    for (int c = 0; c < 6; c++) block[i][c] = INFINITY;
+}
+
 double hk_sph_total(const hk_sph *s, const hk_view *view) {
   double sum = 0;
   for (size_t k = 0; k * HK_SPH_GRAIN < view->acting; k++) sum += s->sums[k];

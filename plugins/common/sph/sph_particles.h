@@ -65,6 +65,8 @@ hk_status hk_sph_begin(hk_sph *, const hk_view *view, hk_neighbour_rows *rows);
 /* d = x_i - x_j, m, to the nearest image; returns its square. */
 double hk_sph_between(const hk_view *view, size_t i, size_t j, double d[3]);
 double hk_sph_total(const hk_sph *, const hk_view *view); /* of `sums`, in their order */
+/* In `stiffness_bound`, where neighbours cannot be had: no step is known to be stable. */
+void hk_sph_bound_unknown(const hk_view *view, double (*block)[6]);
 
 /* Whether a particle has the energy of the liquid: one of it has, and one of a wall that is laid like it, which presses
  * back as the liquid that it stands for would. One whose volume makes up for what is missing has none. */

@@ -22,6 +22,13 @@ static inline bool hk_edge_acts(const hk_view *view, const uint32_t pair[2]) {
   return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
 }
 
+/* Whether edge e of the length l, m, has a strain above that at which it breaks; `breaking` without numbers: none does.
+ */
+static inline bool hk_edge_breaks(const hk_per_tuple *rest, const hk_per_tuple *breaking, size_t e, double l) {
+  double L = hk_tuple_value(rest, e);
+  return breaking->count && l - L > hk_tuple_value(breaking, e) * L;
+}
+
 /* Sets rest lengths that the script does not give to the lengths at the start, m: to one for all, where they differ by
  * the rounding of the positions alone. HK_NO_MEMORY. */
 static inline hk_status hk_edge_rest(const hk_host *, const hk_view *view, const hk_tuples *edges, hk_per_tuple *rest);

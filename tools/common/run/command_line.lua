@@ -42,6 +42,16 @@ function command_line.scene(words)
   return path, given
 end
 
+-- The words o.scene of a tool become o.scene, o.params and, where none is named, o.out (out/TOOL/SCENE); true, or nil and why
+-- not.
+function command_line.take_scene(tool, o)
+  local why
+  o.scene, o.params, why = command_line.scene(o.scene)
+  if not o.scene then return nil, why or "no scene is named" end
+  o.out = o.out or ("out/%s/%s"):format(tool, o.scene:match("([^/]+)$"):gsub("%.lua$", ""))
+  return true
+end
+
 -- Converters of argparse, which name their option where the text will not do.
 function command_line.number(option)
   return function(text)
