@@ -64,4 +64,17 @@ function filling.box(t)
   return filled
 end
 
+-- The floor and the four walls of a box as obstacles, with which pictures end the water flat (`surface_cut`) and bodies
+-- stay inside; to be called before the corrector `liquid`.
+function filling.tank(scene, low, high)
+  local function wall(name, position, normal)
+    scene:corrector("obstacle", { shape = "plane", position = position, normal = normal, label = name })
+  end
+  wall("floor", low, { 0, 0, 1 })
+  wall("west", low, { 1, 0, 0 })
+  wall("east", high, { -1, 0, 0 })
+  wall("south", low, { 0, 1, 0 })
+  wall("north", high, { 0, -1, 0 })
+end
+
 return filling

@@ -39,6 +39,7 @@ for a = 1, #ids do
 end
 scene:force("springs", { edges = ribs, k = stiffness, damping = 0.2 })
 scene:force("gravity", { g = { 0, 0, -9.81 } })
+filling.tank(scene, { 0, 0, 0 }, high)
 scene:corrector("liquid", { low = { 0, 0, 0 }, high = high, cell = cell, density = 1000 })
 
 scene:measure("keel", function(s) return s:position(ids[1])[3] end) -- m, its height
@@ -53,6 +54,6 @@ scene:measure("shipped", function(s) -- kg, of the water that is in the boat, ab
   return count
 end)
 scene:output("frames", { surface = 0.4 * cell, surface_of = "water", surface_look = "water", surface_absorption = { 4, 1.2, 0.5 },
-  plain = { 0.8, 0.3, 0.2 }, color = "none", springs = "off", from = { 2.1, -1.5, 1.5 }, look_at = { 0.75, 0.4, 0.35 },
-  ground_height = 0 })
+  plain = { 0.8, 0.3, 0.2 }, color = "none", springs = "off", surface_cut = true, obstacles = false,
+  from = { 2.5, -1.9, 1.7 }, look_at = { 0.78, 0.4, 0.25 }, ground_height = 0 })
 return scene

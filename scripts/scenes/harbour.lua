@@ -22,14 +22,7 @@ local cork = scene:rigid { shape = "sphere", radius = 0.08, density = 200, posit
 local stone = scene:rigid { shape = "sphere", radius = 0.09, density = 2500, position = { 1.4, 0.58, z + 0.1 } }
 scene:force("gravity", { g = { 0, 0, -9.81 } })
 for _, body in ipairs { raft, log, cork, stone } do body:surface() end
-local function wall(x, y, h, nx, ny, nz, name)
-  scene:corrector("obstacle", { shape = "plane", position = { x, y, h }, normal = { nx, ny, nz }, label = name })
-end
-wall(0, 0, 0, 0, 0, 1, "floor")
-wall(0, 0, 0, 1, 0, 0, "west")
-wall(high[1], 0, 0, -1, 0, 0, "east")
-wall(0, 0, 0, 0, 1, 0, "south")
-wall(0, high[2], 0, 0, -1, 0, "north")
+filling.tank(scene, { 0, 0, 0 }, high)
 scene:corrector("liquid", { low = { 0, 0, 0 }, high = high, cell = cell, density = 1000 })
 
 scene:measure("mass", function(s) -- of the water, kg
@@ -42,6 +35,6 @@ for k, name in ipairs { "raft", "log", "cork", "stone" } do
   scene:measure(name, function(s) return body:position(s)[3] end) -- m, its height
 end
 scene:output("frames", { surface = 0.4 * cell, surface_of = "water", surface_look = "water", surface_absorption = { 4, 1.2, 0.5 },
-  plain = { 0.72, 0.5, 0.3 }, color = "none", springs = "off",
+  plain = { 0.72, 0.5, 0.3 }, color = "none", springs = "off", surface_cut = true,
   obstacles = false, from = { 2.3, -1.5, 1.7 }, look_at = { 0.8, 0.4, 0.3 }, ground_height = 0 })
 return scene
