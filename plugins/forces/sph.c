@@ -118,6 +118,7 @@ static void push_chunk(void *context, size_t first, size_t end, size_t chunk) {
 /* Of those that it does not act on nothing is left from before. */
 static void find_all(const task *t) {
   sph *s = t->self;
+  if (t->view->n == 0) return; /* nor are there arrays then */
   memset(s->density, 0, t->view->n * sizeof *s->density);
   memset(s->slope, 0, t->view->n * sizeof *s->slope);
   t->view->host->parallel_for(t->view->host, t->view->acting, HK_SPH_GRAIN, density_chunk, (void *)t);
@@ -158,7 +159,7 @@ static double energy(void *self, const hk_view *view) {
 
 /* m_i e''_i by the densities that were found; 0: it does not press. */
 static const double *find_bends(sph *s, const hk_view *view) {
-  memset(s->bend, 0, view->n * sizeof *s->bend);
+  if (view->n > 0) memset(s->bend, 0, view->n * sizeof *s->bend);
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = hk_sph_acting(view, k);
     double rho0 = s->common.density, compression = s->density[i] / rho0;
