@@ -1,5 +1,5 @@
 /* hooke check: faults that are put into plugins that are right are found, in the sentence that names them
- * (check_faults.h). Every fourth of them: check_long.c tries all, the longest tables, and the plugins of the build. */
+ * (check_faults.h). Every fourth of them: check_long.c tries all, tables that take longer, and the plugins of the build. */
 #include "tests/tools/check_faults.h"
 
 static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 4); }
@@ -51,19 +51,9 @@ static void faults_of_internal_variables_are_named(void **state) {
   right_and_wrong("internal", 9);
 }
 
-static void faults_of_neighbours_are_named(void **state) {
-  (void)state;
-  right_and_wrong("neighbours", 13);
-}
-
 static void faults_of_octrees_are_named(void **state) {
   (void)state;
   right_and_wrong("octree", 10);
-}
-
-static void faults_of_trees_of_boxes_are_named(void **state) {
-  (void)state;
-  right_and_wrong("bvh", 5);
 }
 
 static void faults_of_services_that_keep_are_named(void **state) {
@@ -121,9 +111,7 @@ int main(void) {
       cmocka_unit_test(faults_of_tiles_are_named),
       cmocka_unit_test(faults_of_internal_variables_are_named),
       cmocka_unit_test(faults_of_implicit_methods_are_named),
-      cmocka_unit_test(faults_of_neighbours_are_named),
       cmocka_unit_test(faults_of_octrees_are_named),
-      cmocka_unit_test(faults_of_trees_of_boxes_are_named),
       cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -106,19 +106,19 @@ static void fails_at_calls(const char *options, long every) {
 
 static void a_run_with_tables_and_a_state(void **state) {
   (void)state;
-  fails_at_calls("", 7);
+  fails_at_calls("", 13);
 }
 
 static void a_run_with_pictures(void **state) {
   (void)state;
-  fails_at_calls("pictures=1", 19);
+  fails_at_calls("pictures=1", 37);
 }
 
 /* A recording is written in many small parts; tests/plugins/common/recording/crash.c has each of them. */
 static void a_run_with_a_recording(void **state) {
   (void)state;
   if (access(HK_BUILD "/plugins/outputs/trajectory.so", F_OK) != 0) skip();
-  fails_at_calls("recorded=1", 61);
+  fails_at_calls("recorded=1", 121);
 }
 
 /* A database that has results of an earlier sweep: they are there afterwards, and the sweep can go on. */
@@ -134,7 +134,7 @@ static void a_sweep(void **state) {
   run_on_copy("whole", 0, arguments);
   if (r.code != 0) fail_msg("%s", r.err);
   long calls = disk.calls;
-  for (long k = 1; k <= calls; k += all ? 1 : 29) {
+  for (long k = 1; k <= calls; k += all ? 1 : 59) {
     test_result failed;
     run_on_copy("part", k, arguments);
     char where[sizeof disk.where];
@@ -157,7 +157,7 @@ static void a_sweep(void **state) {
 /* What an earlier bench has written is whole, old or new. */
 static void a_bench(void **state) {
   (void)state;
-  const char *arguments = "bench scene.lua --budget 3 --integrators leapfrog --quiet";
+  const char *arguments = "bench scene.lua --budget 0.5 --integrators leapfrog --quiet";
   const char *results = "for f in bench.csv bench.json; do test \"$(tail -c 1 part/out/bench/scene/$f | od -An -c)\" = "
                         "'  \\n' || exit 1; done";
   if (!test_disk_can_fail()) skip();
@@ -168,7 +168,7 @@ static void a_bench(void **state) {
   test_hooke_on_disk(&r, &disk, "before", 0, 0, arguments);
   if (r.code != 0) fail_msg("%s", r.err);
   long calls = disk.calls;
-  for (long k = 1; k <= calls; k += all ? 1 : 29) {
+  for (long k = 1; k <= calls; k += all ? 1 : 177) {
     run_on_copy("part", k, arguments);
     if (!holds(results)) complain(k, arguments, "the results are cut");
     if (r.code == 4 && !strstr(r.err, "No space left on device")) complain(k, arguments, "no cause");
