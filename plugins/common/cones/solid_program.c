@@ -9,11 +9,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS = 60, PROGRAMS = 16, SEARCHES = 40 };
+enum { ROUNDS = 60, PROGRAMS = 8, SEARCHES = 40 };
 
 /* R over the mobility; of the largest u, what rounding leaves of a change; of a slope, what is none; of the tolerance,
- * what programs are to leave, as that of every step adds up. */
-static const double regular = 1e-4, rounding = 2e-15, level = 1e-3, finer = 1e-5;
+ * what programs are to leave, as that of every step adds up; of what the last program left, what the next one has to
+ * get below, as where bodies tumble and slide programs may go on without end, and sweeps are sooner done. */
+static const double regular = 1e-4, rounding = 2e-15, level = 1e-3, finer = 1e-5, slow = 0.5;
 
 hk_status hk_solid_program_open(hk_solid_program *p, const hk_host *host) {
   p->host = p->matrix.host = host;
@@ -217,9 +218,11 @@ hk_status hk_solid_program_solve(hk_solid_program *p, double tolerance, bool *so
   hk_status status = hk_solid_matrix_shape(&p->matrix, p->solids, p->impact, p->impacts, sizeof *p->impact);
   for (size_t e = 0; e < p->impacts; e++) p->impact[e].slide = 0;
   for (int k = 0; k < PROGRAMS && status == HK_OK && left > wanted; k++) {
+    double before = left;
     status = solve_program(p, wanted, solved);
     if (status != HK_OK || !*solved) return status;
     left = go_on(p);
+    if (left > tolerance && left > slow * before) break;
   }
   *solved = left <= tolerance;
   return status;
