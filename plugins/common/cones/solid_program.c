@@ -222,7 +222,7 @@ hk_status hk_solid_program_solve(hk_solid_program *p, double tolerance, bool *so
     status = solve_program(p, wanted, solved);
     if (status != HK_OK || !*solved) return status;
     left = go_on(p);
-    if (left > tolerance && left > slow * before) break;
+    if (left > slow * before) break;
   }
   *solved = left <= tolerance;
   return status;
