@@ -190,11 +190,11 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (status != HK_OK) return status;
   hk_gauss_seidel_result done = {0};
   s->bodies.t = view->t;
-  if (!single) status = prepare_bodies(s, move, faces, &solver);
-  if (status != HK_OK) return status;
   bool bounces = !single && s->base.restitution > 0; /* the last impulses are no guess of these */
   if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
   if (first && !bounces) hk_warm_start_give(&s->known, &solver, move->h, !single);
+  if (!single) status = prepare_bodies(s, move, faces, &solver);
+  if (status != HK_OK) return status;
   if (single)
     done = hk_gauss_seidel(&solver, move);
   else

@@ -27,7 +27,7 @@ def places(layers, gap):
 def scene(layers, steps):
     boxes = "\n".join(f"box({x!r}, {z!r})" for x, _, z in places(layers, thickness))
     return f"""
-local scene = hooke.scene {{ duration = {steps * h}, fps = {1 / h}, dt = {h}, integrator = "leapfrog" }}
+local scene = hooke.scene {{ duration = {steps * h}, fps = {0.1 / h}, dt = {h}, integrator = "leapfrog" }}
 local list, from = {{}}, {{}}
 local function box(x, z)
   list[#list + 1] = scene:rigid {{ shape = "box", size = {side}, mass = {mass}, position = {{ x, 0, z }} }}

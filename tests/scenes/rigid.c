@@ -149,6 +149,17 @@ static void the_figure_falls_down_the_stairs(void **state) {
   if (!(test_json(r.out, "height") < 0.9)) fail_msg("the chest is at %g m", test_json(r.out, "height"));
 }
 
+/* Without wind what leans is the line at the outer pegs, by its sag over a sixth of its length. */
+static void the_pegs_hold_the_washing(void **state) {
+  (void)state;
+  test_scene(&r, "washing_line", "sheets=1 N=5 duration=0.5 speed=0");
+  near("peg", 0, 0.1);
+  near("constraint_violation", 0, 1e-10);
+  test_scene(&r, "washing_line", "sheets=1 N=5 duration=0.5");
+  if (!(test_json(r.out, "peg") > 0.5)) fail_msg("the wind turns the pegs by %g rad", test_json(r.out, "peg"));
+  near("constraint_violation", 0, 1e-10);
+}
+
 static void balls_go_round_on_the_turntable(void **state) {
   (void)state;
   test_scene(&r, "turntable", "duration=1");
@@ -169,6 +180,7 @@ int main(void) {
       cmocka_unit_test(the_wrecking_ball_breaks_the_wall),
       cmocka_unit_test(the_disc_goes_round_faster),
       cmocka_unit_test(the_figure_falls_down_the_stairs),
+      cmocka_unit_test(the_pegs_hold_the_washing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -65,6 +65,7 @@ static const char *options_of(const char *scene) {
       {"tangled", "N=7"},
       {"wetting", "n=4"},
       {"wax_figure", "cell=0.02"},
+      {"washing_line", "sheets=1 N=5"},
       {"wind_cloth", "N=8"},
       {"wrecking_ball", "rows=2 columns=1 links=2"},
       {"hair", "strands=6 segments=16"},

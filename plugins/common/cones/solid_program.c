@@ -1,5 +1,7 @@
-/* See solid_program.h. Newton's iteration, (1 + J^T P' J/R) dw = -(w - J^T P/R), with a search for the least f along
- * dw, finds the optimum from anywhere; f is nearly quadratic in pieces, so that it ends in the piece of the optimum. */
+/* See solid_program.h. Newton's iteration, (1 + J^T P' J/R) dw = -(w - J^T z), with a search for the least f along dw,
+ * finds the optimum from anywhere; f is nearly quadratic in pieces, so that it ends in the piece of the optimum. As its
+ * matrix is not below 1, an error of w is not above what is left of w - J^T z, which is looked at before a matrix is
+ * made. */
 #include "plugins/common/cones/solid_program.h"
 #include "plugins/common/cones/cone_program.h"
 #include "plugins/common/space/reserve.h"
@@ -7,10 +9,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS = 60, SLIDES = 8 /* programs */, SEARCHES = 40 };
+enum { ROUNDS = 60, PROGRAMS = 8, SEARCHES = 40 };
 
-/* R over the mobility; of the largest u, what rounding leaves of a change; of a slope, what is none. */
-static const double regular = 1e-8, rounding = 2e-15, level = 1e-3;
+/* R over the mobility; of the largest u, what rounding leaves of a change; of a slope, what is none; of the tolerance,
+ * what programs are to leave, as that of every step adds up; of what the last program left, what the next one has to
+ * get below, as where bodies tumble and slide programs may go on without end, and sweeps are sooner done. */
+static const double regular = 1e-4, rounding = 2e-15, level = 1e-3, finer = 1e-5, slow = 0.5;
 
 hk_status hk_solid_program_open(hk_solid_program *p, const hk_host *host) {
   p->host = p->matrix.host = host;
@@ -50,19 +54,36 @@ static void push(const hk_solid_impact *k, double factor, const double z[3], dou
   }
 }
 
-/* u at w, P of it, the matrix and the right-hand side. */
-static void linearise(hk_solid_program *p) {
+/* u - R centre at w, and P of it. */
+static void find_place(const hk_solid_program *p, hk_solid_impact *k, double *J) {
+  double R = regular * k->mobility;
+  relative(k, p->w, k->u);
+  for (size_t r = 0; r < unknowns(k); r++) k->u[r] += k->u_0[r] + (r == 0 ? k->slide : 0) - R * k->centre[r];
+  hk_cone_project(k->u, unknowns(k), k->mu, k->P, J);
+}
+
+/* The right-hand side J^T z - w; returns by how much u is off at most. */
+static double find_rest(hk_solid_program *p) {
   size_t size = HK_SOLID_ROWS * p->solids;
+  double sum = 0, most = 0;
   for (size_t i = 0; i < size; i++) p->rhs[i] = -p->w[i];
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    find_place(p, k, NULL);
+    push(k, 1 / (regular * k->mobility), k->P, p->rhs);
+    most = fmax(most, k->mobility);
+  }
+  for (size_t i = 0; i < size; i++) sum += p->rhs[i] * p->rhs[i];
+  return sqrt(most * sum);
+}
+
+static void set_matrix(hk_solid_program *p) {
   hk_solid_matrix_clear(&p->matrix);
   for (size_t e = 0; e < p->impacts; e++) {
     hk_solid_impact *k = &p->impact[e];
-    double J[9], R = regular * k->mobility;
-    relative(k, p->w, k->u);
-    for (size_t r = 0; r < unknowns(k); r++) k->u[r] += k->u_0[r] + (r == 0 ? k->slide : 0);
+    double J[9];
     hk_cone_project(k->u, unknowns(k), k->mu, k->P, J);
-    push(k, 1 / R, k->P, p->rhs);
-    for (int c = 0; c < 9; c++) J[c] /= R;
+    for (int c = 0; c < 9; c++) J[c] /= regular * k->mobility;
     if (k->P[0] != 0) hk_solid_matrix_add(&p->matrix, &k->sides, J);
   }
 }
@@ -104,82 +125,105 @@ static double length_of_step(const hk_solid_program *p) {
   return t;
 }
 
-/* Returns the largest change of u by the whole step. */
-static double find_changes(hk_solid_program *p) {
-  double most = 0;
-  for (size_t e = 0; e < p->impacts; e++) {
-    hk_solid_impact *k = &p->impact[e];
-    relative(k, p->dw, k->du);
-    for (size_t r = 0; r < unknowns(k); r++) most = fmax(most, fabs(k->du[r]));
-  }
-  return most;
+static void find_changes(hk_solid_program *p) {
+  for (size_t e = 0; e < p->impacts; e++) relative(&p->impact[e], p->dw, p->impact[e].du);
 }
 
-/* z = P(-u)/R is known to the tolerance where u is to a part R of it, or to rounding. */
-static double finest_change(const hk_solid_program *p, double tolerance) {
+/* What is left of u where it is known to the tolerance, or to rounding. */
+static double finest_rest(const hk_solid_program *p, double tolerance) {
   double most = 0;
   for (size_t e = 0; e < p->impacts; e++)
     for (size_t r = 0; r < unknowns(&p->impact[e]); r++) most = fmax(most, fabs(p->impact[e].u_0[r]));
-  return fmax(regular * tolerance, rounding * most);
+  return fmax(tolerance, rounding * most);
 }
 
 static hk_status solve_program(hk_solid_program *p, double tolerance, bool *solved) {
-  double finest = finest_change(p, tolerance);
+  double finest = finest_rest(p, tolerance);
   *solved = false;
-  for (int round = 0; round < ROUNDS && !*solved; round++) {
-    linearise(p);
+  for (int round = 0; round < ROUNDS; round++) {
+    double rest = find_rest(p);
+    *solved = rest <= finest;
+    if (*solved || !isfinite(rest)) return HK_OK;
+    set_matrix(p);
     hk_status status = p->solvers->factorize(p->linear, &p->matrix.A);
     if (status == HK_OK) status = p->solvers->solve(p->linear, p->rhs, p->dw, NULL);
     if (status != HK_OK) return status;
-    double most = find_changes(p), t = length_of_step(p);
-    if (!isfinite(most)) return HK_OK;
+    find_changes(p);
+    double t = length_of_step(p);
     for (size_t i = 0; i < HK_SOLID_ROWS * p->solids; i++) p->w[i] += t * p->dw[i];
-    *solved = most <= finest;
   }
   return HK_OK;
 }
 
-/* z = P(-u)/R of the program that w solves. */
-static void find_impulses(hk_solid_program *p) {
-  for (size_t e = 0; e < p->impacts; e++) {
-    hk_solid_impact *k = &p->impact[e];
-    relative(k, p->w, k->u);
-    for (size_t r = 0; r < unknowns(k); r++) k->u[r] += k->u_0[r] + (r == 0 ? k->slide : 0);
-    hk_cone_project(k->u, unknowns(k), k->mu, k->P, NULL);
-    for (size_t r = 0; r < 3; r++) k->z[r] = r < unknowns(k) ? k->P[r] / (regular * k->mobility) : 0;
-  }
-}
-
-/* The next program's mu |u_t|. Returns the largest change. */
+/* What Coulomb's law wants of u beyond mu |u_t| of the program. */
 static double slide_on(hk_solid_program *p) {
   double most = 0;
   for (size_t e = 0; e < p->impacts; e++) {
     hk_solid_impact *k = &p->impact[e];
-    relative(k, p->w, k->u);
-    double u = k->u[1] + k->u_0[1], v = k->u[2] + k->u_0[2], next = k->mu > 0 ? k->mu * sqrt(u * u + v * v) : 0;
+    double along[3];
+    relative(k, p->w, along);
+    double u = along[1] + k->u_0[1], v = along[2] + k->u_0[2], next = k->mu > 0 ? k->mu * sqrt(u * u + v * v) : 0;
     most = fmax(most, fabs(next - k->slide));
     k->slide = next;
   }
   return most;
 }
 
-hk_status hk_solid_program_solve(hk_solid_program *p, double tolerance, bool *solved) {
-  hk_status status = hk_solid_matrix_shape(&p->matrix, p->solids, p->impact, p->impacts, sizeof *p->impact);
-  *solved = false;
-  if (status != HK_OK) return status;
+/* What the law leaves of u beside z = P(R centre - u)/R: R times the change from the centre, which becomes z. */
+static double go_on(hk_solid_program *p) {
+  double most = slide_on(p);
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    double R = regular * k->mobility;
+    for (size_t r = 0; r < unknowns(k); r++) {
+      most = fmax(most, fabs(k->P[r] - R * k->centre[r]));
+      k->z[r] = k->centre[r] = k->P[r] / R;
+    }
+  }
+  return most;
+}
+
+/* The same of the impulses that it begins with, which stay what they are. */
+static double left_at_first(hk_solid_program *p) {
+  double most = slide_on(p);
+  for (size_t e = 0; e < p->impacts; e++) {
+    hk_solid_impact *k = &p->impact[e];
+    find_place(p, k, NULL);
+    for (size_t r = 0; r < unknowns(k); r++) most = fmax(most, fabs(k->P[r] - regular * k->mobility * k->centre[r]));
+  }
+  return most;
+}
+
+/* What the impulses that it begins with do is in w, and no longer in u_0. */
+static void begin(hk_solid_program *p) {
   memset(p->w, 0, HK_SOLID_ROWS * p->solids * sizeof *p->w);
   for (size_t e = 0; e < p->impacts; e++) push(&p->impact[e], 1, p->impact[e].z, p->w);
   for (size_t e = 0; e < p->impacts; e++) {
     hk_solid_impact *k = &p->impact[e];
     relative(k, p->w, k->u);
-    for (int r = 0; r < 3; r++) k->u_0[r] -= k->u[r];
+    for (size_t r = 0; r < 3; r++) {
+      if (r >= unknowns(k)) k->z[r] = k->u[r] = 0;
+      k->u_0[r] -= k->u[r];
+      k->centre[r] = k->z[r];
+    }
     k->slide = 0;
   }
-  for (int round = 0; round < SLIDES; round++) {
-    status = solve_program(p, tolerance, solved);
-    if (status != HK_OK || !*solved) break;
-    find_impulses(p);
-    if (slide_on(p) <= tolerance) break;
+}
+
+hk_status hk_solid_program_solve(hk_solid_program *p, double tolerance, bool *solved) {
+  begin(p);
+  double wanted = finer * tolerance, left = left_at_first(p);
+  *solved = left <= wanted;
+  if (*solved) return HK_OK;
+  hk_status status = hk_solid_matrix_shape(&p->matrix, p->solids, p->impact, p->impacts, sizeof *p->impact);
+  for (size_t e = 0; e < p->impacts; e++) p->impact[e].slide = 0;
+  for (int k = 0; k < PROGRAMS && status == HK_OK && left > wanted; k++) {
+    double before = left;
+    status = solve_program(p, wanted, solved);
+    if (status != HK_OK || !*solved) return status;
+    left = go_on(p);
+    if (left > slow * before) break;
   }
+  *solved = left <= tolerance;
   return status;
 }

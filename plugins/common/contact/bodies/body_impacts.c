@@ -286,7 +286,7 @@ static void aim(const hk_body_impacts *s, const hk_contact_solver *solver, const
 }
 
 static hk_status linearise(hk_body_impacts *s, const hk_step_move *m) {
-  s->used = 0;
+  hk_body_response_forget(s);
   return s->count ? s->bodies->linearise(s->bodies->self, s->t, m->x, m->v) : HK_OK;
 }
 

@@ -38,6 +38,12 @@ typedef struct hk_body_impacts {
   size_t arms_room, found_room;
   hk_body_response *response;
   size_t impacts, used, room;
+  uint64_t epoch; /* counts the places of the bodies at which responses were found */
+  struct {
+    uint64_t epoch;
+    size_t first; /* in `block`, of that epoch */
+  } * carrier;    /* room: n, of unit impulses on each */
+  size_t carriers_room;
   uint32_t *particle; /* room */
   double (*block)[9]; /* room: U, row by row */
   double (*turn)[9];  /* room: the same of moments, by the axes */

@@ -1,9 +1,13 @@
 /* The columns U of an impact, found when it first needs an impulse: of the particles of the bodies that its four
- * particles are of, and of those of the four that are in none. */
+ * particles are of, and of those of the four that are in none. Where bodies have many impacts, those of unit impulses
+ * on their carriers are found once, of which all others are sums. */
 #include "plugins/common/contact/bodies/impact_response.h"
+#include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
 #include <string.h>
+
+enum { FEW_MEMBERS = 64 /* of a body whose columns are kept */ };
 
 void hk_body_relative(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e, const hk_impact_level *level,
                       const double *y, double out[3]) {
@@ -124,6 +128,68 @@ static hk_status add_columns(hk_body_impacts *s, const hk_body_response *r, cons
   return status;
 }
 
+/* ---- sums of the columns of carriers ---- */
+
+void hk_body_response_forget(hk_body_impacts *s) {
+  s->used = 0;
+  s->epoch++;
+}
+
+/* A body has as many columns as four impacts have sides. */
+static bool are_worth_it(const hk_body_impacts *s, const hk_body_arm *arm) {
+  const uint32_t *list;
+  return arm->carrier && s->contacts > 2 * s->count &&
+         s->bodies->members(s->bodies->self, body_of(s, arm->carrier[0]), &list) <= FEW_MEMBERS;
+}
+
+static hk_status make_room_for_carriers(hk_body_impacts *s) {
+  if (s->n <= s->carriers_room) return HK_OK;
+  hk_status status = hk_reserve(s->host, &s->carrier, &s->carriers_room, s->n, sizeof *s->carrier);
+  if (status == HK_OK) memset(s->carrier, 0, s->carriers_room * sizeof *s->carrier);
+  return status;
+}
+
+/* *first: of the blocks of the body's members for impulses on the carrier. */
+static hk_status find_carrier(hk_body_impacts *s, uint32_t carrier, const double *inverse_mass, size_t *first) {
+  const uint32_t *list;
+  size_t count = s->bodies->members(s->bodies->self, body_of(s, carrier), &list);
+  hk_status status = make_room_for_carriers(s);
+  if (status != HK_OK || s->carrier[carrier].epoch == s->epoch) {
+    if (status == HK_OK) *first = s->carrier[carrier].first;
+    return status;
+  }
+  status = make_room(s, count);
+  if (status != HK_OK) return status;
+  const hk_body_response r = {.first = s->used, .count = count};
+  const hk_weighted_point point = {{carrier, carrier, carrier, carrier}, {1}};
+  memcpy(s->particle + s->used, list, count * sizeof *list);
+  memset(s->block + s->used, 0, count * sizeof *s->block);
+  s->used += count;
+  s->carrier[carrier].epoch = s->epoch;
+  *first = s->carrier[carrier].first = r.first;
+  return add_columns(s, &r, &point, inverse_mass);
+}
+
+/* to += the weighted sum of four arrays of `count` numbers. */
+static void add_four(const double *const from[4], const double weight[4], size_t count, double *to) {
+  const double *a = from[0], *b = from[1], *c = from[2], *d = from[3];
+  for (size_t e = 0; e < count; e++) to[e] += weight[0] * a[e] + weight[1] * b[e] + weight[2] * c[e] + weight[3] * d[e];
+}
+
+static hk_status add_carriers(hk_body_impacts *s, const hk_body_response *r, const hk_weighted_point *point,
+                              const double *inverse_mass) {
+  const uint32_t *list;
+  size_t first[4], at = r->first, count = s->bodies->members(s->bodies->self, body_of(s, point->particle[0]), &list);
+  for (int c = 0; c < 4; c++) {
+    hk_status status = find_carrier(s, point->particle[c], inverse_mass, &first[c]);
+    if (status != HK_OK) return status;
+  }
+  while (s->particle[at] != list[0]) at++;
+  const double *const from[4] = {s->block[first[0]], s->block[first[1]], s->block[first[2]], s->block[first[3]]};
+  add_four(from, point->weight, 9 * count, s->block[at]);
+  return HK_OK;
+}
+
 static hk_status find_blocks(hk_body_impacts *s, const hk_impact *k, const hk_body_arms *arms,
                              const hk_body_response *r, const double *inverse_mass) {
   hk_status status = HK_OK;
@@ -132,7 +198,8 @@ static hk_status find_blocks(hk_body_impacts *s, const hk_impact *k, const hk_bo
   for (int side = 0; side < 2 && arms && status == HK_OK; side++) {
     point = point_of(s, k, arms, side);
     if (point.weight[0] == 0 && point.weight[1] == 0 && point.weight[2] == 0 && point.weight[3] == 0) continue;
-    status = add_columns(s, r, &point, inverse_mass);
+    status = are_worth_it(s, &arms->side[side]) ? add_carriers(s, r, &point, inverse_mass)
+                                                : add_columns(s, r, &point, inverse_mass);
   }
   if (arms) return status;
   memcpy(point.particle, k->pair.vertex, sizeof point.particle);

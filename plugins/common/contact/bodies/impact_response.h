@@ -4,6 +4,9 @@
 
 #include "plugins/common/contact/bodies/body_system.h"
 
+/* Before the first response at a place of the bodies. */
+void hk_body_response_forget(hk_body_impacts *);
+
 /* The response of impact e. */
 hk_status hk_body_response_find(hk_body_impacts *, const hk_contact_solver *, const hk_step_move *, size_t e,
                                 const hk_body_response **);

@@ -7,8 +7,8 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
-/* Of the tolerance, what programs leave; of a trace, what is none. */
-static const double finer = 1e-3, same = 1e-6;
+/* Of a trace, what is none. */
+static const double same = 1e-6;
 
 typedef struct hk_solid_frame {
   uint32_t carrier;     /* the first of its body */
@@ -184,7 +184,7 @@ hk_status hk_solid_newton(hk_body_impacts *s, hk_contact_solver *solver, const h
   hk_status status = hk_solid_program_reserve(&s->program, 2 * count, count);
   if (status == HK_OK) status = hk_reserve(s->host, &s->frame, &s->frame_room, 2 * count, sizeof *s->frame);
   if (status != HK_OK || !set_program(&b)) return status;
-  status = hk_solid_program_solve(&s->program, finer * task->tolerance, solved);
+  status = hk_solid_program_solve(&s->program, task->tolerance, solved);
   if (status == HK_OK && *solved) take_over(&b, solver);
   return status;
 }

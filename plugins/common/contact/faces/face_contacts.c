@@ -19,6 +19,7 @@ typedef struct hk_face_contact {
   uint32_t side[2], impact;
   bool turned, kept;     /* its normal is from the lower side to the higher one */
   double at[2], left[2]; /* m, in the patch; of the places, m, and of the speeds times the step, m */
+  double push;           /* kg m, that it begins with */
 } contact;
 
 typedef struct patch {
@@ -106,6 +107,7 @@ static void measure(const hk_contact_solver *solver, const hk_step_move *m, cons
     q->at[0] = hk_dot(at, a), q->at[1] = hk_dot(at, b);
     q->left[0] = left_of(i, &i->place, m->x);
     q->left[1] = left_of(i, &i->speed, m->v) * m->h;
+    q->push = i->place.push;
   }
 }
 
@@ -158,6 +160,7 @@ static int by_place(const void *left, const void *right) {
   const contact *a = left, *b = right;
   for (int c = 0; c < 2; c++)
     if (a->at[c] != b->at[c]) return a->at[c] < b->at[c] ? -1 : 1;
+  if (a->push != b->push) return a->push > b->push ? -1 : 1;
   return (a->impact > b->impact) - (a->impact < b->impact);
 }
 
@@ -166,6 +169,7 @@ static void keep_chain(const patch *p, bool back, size_t *chain) {
   size_t count = 0;
   for (size_t j = 0; j < p->count; j++) {
     size_t k = back ? p->count - 1 - j : j;
+    if (k > 0 && distance2(p->k[k].at, p->k[k - 1].at) == 0) continue;
     while (count >= 2 && area(p->k[chain[count - 2]].at, p->k[chain[count - 1]].at, p->k[k].at) <= 0) count--;
     chain[count++] = k;
   }

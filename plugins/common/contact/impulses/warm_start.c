@@ -47,7 +47,7 @@ static void give(hk_impact *k, hk_impact_level *level, double push, const double
 
 void hk_warm_start_give(const hk_array *known, const hk_contact_solver *s, double h, bool bodies) {
   const hk_warm_pair *table = known->item;
-  double part = part_of(s);
+  double part = bodies ? 1 : part_of(s);
   if (known->count == 0 || (known->count & (known->count - 1)) != 0) return;
   for (size_t e = 0; e < s->count; e++) {
     hk_impact *k = &s->impact[e];

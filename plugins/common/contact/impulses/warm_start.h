@@ -2,7 +2,8 @@
  * without them each step would hand the weight down from layer to layer once more, a layer a sweep (Moreau 1999,
  * Numerical aspects of the sweeping process, section 5; Catto 2005, Iterative dynamics with temporal coherence). They
  * are kept as forces, which hold for another length of the step. What is no longer needed the sweeps take away: the sum
- * of the impulses of a pair may shrink to 0. Nine tenths are given, and all of them where the solver is calm.
+ * of the impulses of a pair may shrink to 0. Nine tenths are given, and all of them where the solver is calm or
+ * impacts are of bodies, which are solved together.
  *
  * The memory is a table with free places, found by the features of a pair (Knuth 1998, The Art of Computer Programming,
  * volume 3, 6.4, linear probing), as lists number pairs anew. It is a field of the plugin, width sizeof(hk_warm_pair),
