@@ -169,8 +169,14 @@ static hk_status open_cloth(liquid *s, const hk_view *view) {
   return hk_thin_walls_open(&s->method.thin, s->host, view, cloth, s->method.grid.size);
 }
 
+/* What is not computed is no number, not 0. */
+static void mark_dissipation(liquid *s, size_t n) {
+  for (size_t i = 0; i < n && !s->heats; i++) s->dissipation[i] = NAN;
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
+  mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   hk_liquid_bodies_topology(&s->method.bodies);
   if (status == HK_OK) warn_of_births(s, view);
@@ -181,6 +187,7 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   liquid *s = self;
   s->host = host;
+  mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   if (status != HK_OK) return status;
   if (s->count == 0 && isnan(s->cell))

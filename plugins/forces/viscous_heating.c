@@ -1,8 +1,9 @@
 /* The heat of friction within a liquid: what its viscosity takes from the motion its particles get as enthalpy,
  *     dh/dt = d,   d = (mu/rho) sum of (dv_a/db + dv_b/da)^2/2,
- * with d, W/kg, as another plugin publishes it by the name `dissipation`: the force viscosity for what it does now, the
- * corrector liquid (with heats = true) for its last step, so that of its heat one step is behind. For the `account` it
- * comes from outside: it was motion before. It is no force: it adds nothing to F. */
+ * with d, W/kg, as another plugin publishes it by the name `dissipation`: the force viscosity, behind which it
+ * is to stand in the scene, for what it does now, the corrector liquid (with heats = true) for its last step, so that
+ * of its heat one step is behind. For the `account` it comes from outside: it was motion before. It is no force: it
+ * adds nothing to F. */
 #include "plugins/common/channels/find_published.h"
 #include "plugins/common/channels/no_force.h"
 #include "plugins/common/heat/heat_channel.h"
@@ -24,7 +25,11 @@ static hk_status rates(void *self, const hk_view *view, double *dy) {
   const viscous_heating *s = self;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
-    hk_heat_give(&s->heat, view, i, (*s->dissipation)[i], dy);
+    double heat = (*s->dissipation)[i];
+    if (isnan(heat))
+      return view->host->fail(view->host, HK_FAILED,
+                              "of: '%s' does not find what its viscosity takes: give it heats = true", s->label);
+    hk_heat_give(&s->heat, view, i, heat, dy);
   }
   return HK_OK;
 }
