@@ -38,7 +38,8 @@ hk_status hk_liquid_shear(hk_liquid *, hk_liquid_viscosity *, double h);
 /* W/kg, of the listed particles: what the viscosity takes from the motion by the strains of the velocities that
  * hk_liquid_shear has left, sum of mu V (2 e_aa^2 + g_ab^2), in equal shares by mass in a cell; that of an edge goes to
  * the cells about it. HK_NO_MEMORY: with a message. */
-hk_status hk_liquid_dissipation(const hk_liquid *, hk_liquid_viscosity *, const hk_liquid_particles *, double *specific);
+hk_status hk_liquid_dissipation(const hk_liquid *, hk_liquid_viscosity *, const hk_liquid_particles *,
+                                double *specific);
 void hk_liquid_viscosity_close(hk_liquid_viscosity *, const hk_host *);
 
 #endif
