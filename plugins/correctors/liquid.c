@@ -23,17 +23,18 @@
 typedef struct liquid {
   double low[3], high[3], cell, density, flip, courant, tolerance, memory, viscosity, tension;
   int transfer, walls;
-  bool even;
+  bool even, heats;
   hk_tuples particles, cloth;
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
   double *full;   /* n */
-  hk_array guess; /* m^2/s, the last pressure, on the grid */
-  hk_array force; /* of bodies x 6, hk_liquid_bodies */
-  double reached; /* s, the end of the last step */
-  double longest; /* s, of the steps */
-  double off;     /* by which the density within was off, at most */
-  double left;    /* of the divergence, by the step: what a cell gained or lost, at most */
-  double drift;   /* of the volume, mean of the last steps; NAN: not known */
+  double *dissipation; /* n, W/kg, of the last step */
+  hk_array guess;      /* m^2/s, the last pressure, on the grid */
+  hk_array force;      /* of bodies x 6, hk_liquid_bodies */
+  double reached;      /* s, the end of the last step */
+  double longest;      /* s, of the steps */
+  double off;          /* by which the density within was off, at most */
+  double left;         /* of the divergence, by the step: what a cell gained or lost, at most */
+  double drift;        /* of the volume, mean of the last steps; NAN: not known */
   hk_liquid_pace pace;
   int64_t slot, said;
   uint32_t *index;
@@ -76,6 +77,8 @@ static const hk_param params[] = {
     {"viscosity_of", "",
      "in place of one viscosity the label of a plugin that publishes one of each particle, as melt does",
      .string = HK_AT(liquid, viscosity_of)},
+    {"heats", "", "whether what viscosity takes is published, as `dissipation`, W/kg, for the force viscous_heating",
+     .boolean = HK_AT(liquid, heats)},
     {"tension", "N/m", "of its surface: water 0.072; bends of less than two cells are not seen",
      .number = HK_AT(liquid, tension), .limits = HK_AT_LEAST(0)},
     {"walls", "", "with a viscosity, whether walls and obstacles hold the liquid back", .choice = HK_AT(liquid, walls),
@@ -96,6 +99,7 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
+    {"dissipation", .per_particle = HK_AT(liquid, dissipation), .width = 1, .flags = HK_PUBLISHED},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
     {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
     {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
@@ -148,23 +152,6 @@ static hk_status check_start(const liquid *s, const hk_view *view) {
   return HK_OK;
 }
 
-/* Solids between whose sides the grid cannot have a cell that is closed. */
-static void warn_of_thin(const liquid *s) {
-  const hk_liquid *m = &s->method;
-  double cell = fmax(m->grid.spacing[0], fmax(m->grid.spacing[1], m->grid.spacing[2]));
-  for (size_t k = 0; k < m->obstacles->count; k++) {
-    const hk_shape *shape = &m->obstacles->member[k]->shape;
-    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
-    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
-    if (least < 2 * cell)
-      s->host->warn(
-          s->host,
-          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
-          "two of them; take smaller ones or a thicker obstacle",
-          k + 1, least, cell);
-  }
-}
-
 static void warn_of_births(const liquid *s, const hk_view *view) {
   for (size_t k = 0; k < s->count; k++)
     for (int c = 0; c < 3; c++) {
@@ -182,8 +169,14 @@ static hk_status open_cloth(liquid *s, const hk_view *view) {
   return hk_thin_walls_open(&s->method.thin, s->host, view, cloth, s->method.grid.size);
 }
 
+/* What is not computed is no number, not 0. */
+static void mark_dissipation(liquid *s, size_t n) {
+  for (size_t i = 0; i < n && !s->heats; i++) s->dissipation[i] = NAN;
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   liquid *s = self;
+  mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   hk_liquid_bodies_topology(&s->method.bodies);
   if (status == HK_OK) warn_of_births(s, view);
@@ -194,6 +187,7 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   liquid *s = self;
   s->host = host;
+  mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   if (status != HK_OK) return status;
   if (s->count == 0 && isnan(s->cell))
@@ -227,7 +221,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->obstacles = all->set->count;
   s->reached = view->t;
   s->drift = NAN;
-  warn_of_thin(s);
+  hk_liquid_warn_of_thin(m);
   return hk_liquid_open(m, host, s->count);
 }
 
@@ -329,6 +323,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (s->viscosities) hk_cell_viscosity(&m->grid, s->host, &by_cell, *s->viscosities, s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, c->h);
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
+  if (status == HK_OK && is_viscous(s) && s->heats) status = hk_liquid_dissipation(m, &s->viscous, &p, s->dissipation);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);

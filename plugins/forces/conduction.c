@@ -134,24 +134,12 @@ static double longest_step(void *self, const hk_view *view) {
 
 /* ---- the balance ---- */
 
-/* J: the enthalpy less what came from outside; *size: of all of it, without signs. */
-static double kept(const conduction *s, const hk_view *view, double *size) {
-  const double *h = hk_enthalpy(&s->heat, view), *given = view->y + s->heat.given->offset * view->n;
-  double sum = 0;
-  *size = 0;
-  for (size_t i = 0; i < view->n; i++) {
-    sum += view->model->mass[i] * (h[i] - given[i]);
-    *size += view->model->mass[i] * (fabs(h[i]) + fabs(given[i]));
-  }
-  return sum;
-}
-
 /* Of all particles of the channel, by what they hold: known where an account is kept. */
 static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   const conduction *s = self;
   double size;
   if (!s->heat.given) return 0;
-  double off = kept(s, view, &size) - s->start;
+  double off = hk_heat_kept(&s->heat, view, &size) - s->start;
   figure[0] = (hk_own_figure){"enthalpy_drift", "", size > 0 ? off / size : 0, most_drift};
   return 1;
 }
@@ -169,7 +157,7 @@ static hk_status topology(void *self, const hk_view *view) {
   for (size_t k = 0; k < s->held.count; k++) s->is_held[*hk_tuple(&s->held, k)] = 1;
   s->densest = hk_heat_paths_densest(&s->paths, view);
   find_temperatures(s, view);
-  if (s->heat.given) s->start = kept(s, view, &(double){0});
+  if (s->heat.given) s->start = hk_heat_kept(&s->heat, view, &(double){0});
   return HK_OK;
 }
 

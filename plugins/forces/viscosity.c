@@ -8,8 +8,12 @@
  * laplacian v where the volume is kept. The error at a wavenumber k is of the order (k R)^2, and on a lattice a percent
  * more by its axes. Walls hold the liquid fast, with volumes of Akinci et al. 2012 (sph_particles.h).
  *
+ * What it takes from the motion is published as `dissipation`, each end of a pair having half of it, for the force
+ * viscous_heating. With `viscosity_of` mu is that of the particles, by its harmonic mean.
+ *
  * The blocks f d d^T are definite; that they change with the positions is left out where a method wants them symmetric.
  * Methods with an implicit part (imex) take the liquid's pressure explicitly and this implicitly. */
+#include "plugins/common/channels/find_published.h"
 #include "plugins/common/sph/sph_pairs.h"
 #include "plugins/kit/vector3.h"
 
@@ -17,13 +21,19 @@ typedef struct viscosity {
   hk_sph common;
   double mu;
   bool slip;
-  double factor; /* 2 mu / M, N s/m / (m^2 m^6 1/m^5) */
+  const char *viscosity_of;
+  const double *const *viscosities; /* n, Pa s, published by the plugin of that label; NULL: it is one number */
+  double factor;                    /* 2 mu / M, N s/m / (m^2 m^6 1/m^5); with `viscosities` 2 / M */
+  double *dissipation;              /* n, W/kg, of the last evaluation */
   hk_sph_pairs pairs;
 } viscosity;
 
 static const hk_param params[] = {
     {"mu", "Pa s", "dynamic viscosity; of water 1e-3, of honey 10", .number = HK_AT(viscosity, mu),
-     .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"viscosity_of", "",
+     "in place of `mu` the label of a plugin that publishes a viscosity of each particle, as melt does",
+     .string = HK_AT(viscosity, viscosity_of)},
     {"slip", "", "whether the liquid slides along walls; false: they hold it fast", .boolean = HK_AT(viscosity, slip)},
     HK_SPH_PARAMS(viscosity, common),
     {0},
@@ -31,6 +41,7 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     HK_SPH_FIELDS(viscosity, common),
+    {"dissipation", .per_particle = HK_AT(viscosity, dissipation), .width = 1, .flags = HK_PUBLISHED},
     {0},
 };
 
@@ -45,7 +56,7 @@ typedef struct task {
 
 static hk_status begin(task *t, viscosity *p, const hk_view *view) {
   *t = (task){.self = p, .view = view, .box = view->model->box};
-  p->factor = 2 * p->mu / p->common.kernel.fourth;
+  p->factor = 2 * (p->viscosities ? 1 : p->mu) / p->common.kernel.fourth;
   return hk_sph_begin(&p->common, view, &t->rows);
 }
 
@@ -55,10 +66,20 @@ HK_INLINE bool rub(const viscosity *p, size_t i, size_t j) {
   return p->slip ? !is_wall && !other_is : !(is_wall && other_is);
 }
 
+/* Pa s: the harmonic mean, by which the stress between two layers is right (Cleary and Monaghan 1999, equation 27, for
+ * heat); a wall has none of its own. */
+static double viscosity_between(const viscosity *p, size_t i, size_t j) {
+  double a = (*p->viscosities)[i], b = (*p->viscosities)[j];
+  if (p->common.role[i] == HK_SPH_WALL) return b;
+  return p->common.role[j] == HK_SPH_WALL ? a : 2 * a * b / (a + b);
+}
+
 /* f, N s/m^3 */
 static double weight(const viscosity *p, size_t i, size_t j, double r2) {
   if (!rub(p, i, j)) return 0;
-  return p->factor * hk_sph_volume(&p->common, i) * hk_sph_volume(&p->common, j) * hk_sph_slope(&p->common.kernel, r2);
+  double f =
+      p->factor * hk_sph_volume(&p->common, i) * hk_sph_volume(&p->common, j) * hk_sph_slope(&p->common.kernel, r2);
+  return p->viscosities ? viscosity_between(p, i, j) * f : f;
 }
 
 /* ---- the force ---- */
@@ -86,7 +107,10 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   double power = 0;
   for (size_t k = first; k < end; k++) {
     size_t i = hk_sph_acting(t->view, k);
-    if (t->self->common.role[i] != HK_SPH_NONE) power += add_row(t, i);
+    if (t->self->common.role[i] == HK_SPH_NONE) continue;
+    double own = add_row(t, i);
+    power += own;
+    t->self->dissipation[i] = t->view->model->mass[i] > 0 ? -own / t->view->model->mass[i] : 0;
   }
   t->self->common.sums[chunk] = power;
 }
@@ -181,7 +205,16 @@ static hk_status topology(void *self, const hk_view *view) {
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  return hk_sph_open(&((viscosity *)self)->common, host, view);
+  viscosity *p = self;
+  if (!isnan(p->mu) == (p->viscosity_of != NULL))
+    return host->fail(host, HK_BAD_PARAM,
+                      "mu: there is %s: give `mu`, Pa s, or the label of a plugin that publishes one of each particle, "
+                      "`viscosity_of`",
+                      p->viscosity_of ? "one, and those of `viscosity_of`" : "none");
+  hk_status status = HK_OK;
+  if (p->viscosity_of)
+    status = hk_find_published(host, view->model, p->viscosity_of, "local_viscosity", "viscosity_of", &p->viscosities);
+  return status == HK_OK ? hk_sph_open(&p->common, host, view) : status;
 }
 
 static const hk_force force = {

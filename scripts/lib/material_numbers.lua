@@ -57,14 +57,14 @@ local function rubber(h)
 end
 materials.rubber = rubber(0.3e-3)
 
--- What melts, in conduction, particle_conduction, heating and melt: temperatures in K, the heat of melting in J/kg, heat
--- capacities in J/(kg K) and conductivities in W/(m K) of the solid and the melt near the melting point. The density,
+-- What melts, in conduction, particle_conduction, grid_conduction, heating and melt: temperatures in K, the heat of
+-- melting in J/kg, heat capacities in J/(kg K) and conductivities in W/(m K) of the solid and the melt near the melting point. The density,
 -- kg/m^3 of the melt, is for those who lay out particles. `enthalpy` in lib/heat.lua makes an enthalpy of a temperature.
 local function melting(what, source, density, law)
   local heating = {}
   for _, name in ipairs { "solidus", "liquidus", "latent", "capacity", "capacity_liquid" } do heating[name] = law[name] end
-  return { what = what, source = source, density = density, conduction = law, particle_conduction = law, heating = heating,
-    melt = heating }
+  return { what = what, source = source, density = density, conduction = law, particle_conduction = law, grid_conduction = law,
+    heating = heating, melt = heating }
 end
 
 materials.ice = melting("ice and water at one atmosphere",

@@ -52,6 +52,7 @@ static const char *options_of(const char *scene) {
       {"honey", "cell=0.01"},
       {"hourglass", "n=60"},
       {"knot_in_net", "n=60 around=8 meshes=4"},
+      {"lava", "cell=0.05 duration=0.3"},
       {"liquid_methods", "n=8"},
       {"materials", "N=7 --trust"},
       {"metaballs", "pairs=1 size=0.1"},

@@ -16,10 +16,12 @@ static inline hk_status hk_find_published(const hk_host *host, const hk_model *m
     *found = p->values;
     return HK_OK;
   }
-  return host->fail(host, HK_BAD_PARAM,
-                    "%s: nothing with the label '%s' publishes a %s of each particle; the force melt does, and has its "
-                    "name as its label where it is given none",
-                    wanted_by, label, field);
+  return host->fail(
+      host, HK_BAD_PARAM,
+      "%s: nothing with the label '%s' publishes a %s of each particle; %s, and has its name as its label "
+      "where it is given none",
+      wanted_by, label, field,
+      strcmp(field, "dissipation") == 0 ? "the force viscosity or the corrector liquid does" : "the force melt does");
 }
 
 #endif

@@ -42,4 +42,16 @@ static inline void hk_heat_give(const hk_heat_channel *c, const hk_view *view, s
   if (c->given) dy[c->given->offset * view->n + i] += rate;
 }
 
+/* J: of all particles the enthalpy less what came from outside, where an account is kept; *size: without signs. */
+static inline double hk_heat_kept(const hk_heat_channel *c, const hk_view *view, double *size) {
+  const double *h = hk_enthalpy(c, view), *given = view->y + c->given->offset * view->n;
+  double sum = 0;
+  *size = 0;
+  for (size_t i = 0; i < view->n; i++) {
+    sum += view->model->mass[i] * (h[i] - given[i]);
+    *size += view->model->mass[i] * (fabs(h[i]) + fabs(given[i]));
+  }
+  return sum;
+}
+
 #endif

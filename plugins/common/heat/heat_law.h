@@ -72,6 +72,31 @@ HK_INLINE double hk_heat_potential(const hk_heat_law *l, double h) {
   return h < l->latent ? within * (h / l->latent) : within + k[HK_MOLTEN] / c[HK_MOLTEN] * (h - l->latent);
 }
 
+/* kg/(m s), d theta/dh; at a corner that of the warmer side. */
+HK_INLINE double hk_heat_potential_slope(const hk_heat_law *l, double h) {
+  const double *k = l->conductivity, *c = l->capacity;
+  if (!hk_heat_melts(l) || h < 0) return k[HK_SOLID] / c[HK_SOLID];
+  if (h >= l->latent) return k[HK_MOLTEN] / c[HK_MOLTEN];
+  return (k[HK_SOLID] + k[HK_MOLTEN]) / 2 * (l->liquidus - l->solidus) / l->latent;
+}
+
+/* J W/(kg m): the integral of the enthalpy over the potential theta, W/m, 0 where theta is. */
+HK_INLINE double hk_heat_integral(const hk_heat_law *l, double theta) {
+  const double *k = l->conductivity, *c = l->capacity;
+  if (!hk_heat_melts(l) || theta < 0) return theta * theta / (2 * k[HK_SOLID] / c[HK_SOLID]);
+  double within = hk_heat_potential(l, l->latent), beyond = theta - within;
+  if (beyond < 0) return l->latent * theta * theta / (2 * within);
+  return l->latent * (within / 2 + beyond) + beyond * beyond / (2 * k[HK_MOLTEN] / c[HK_MOLTEN]);
+}
+
+/* J/kg: the least enthalpy at the temperature T, K. */
+HK_INLINE double hk_heat_enthalpy(const hk_heat_law *l, double T) {
+  if (!hk_heat_melts(l)) return l->capacity[HK_SOLID] * T;
+  if (T <= l->solidus) return l->capacity[HK_SOLID] * (T - l->solidus);
+  if (T > l->liquidus) return l->latent + l->capacity[HK_MOLTEN] * (T - l->liquidus);
+  return l->latent * (T - l->solidus) / (l->liquidus - l->solidus);
+}
+
 double hk_heat_steepest_potential(const hk_heat_law *); /* kg/(m s), the largest d theta/dh */
 double hk_heat_least_capacity(const hk_heat_law *);     /* J/(kg K) */
 

@@ -55,6 +55,8 @@ typedef struct hk_liquid {
  */
 hk_status hk_liquid_open(hk_liquid *, const hk_host *, size_t most);
 void hk_liquid_close(hk_liquid *);
+/* In `create`: of solids between whose sides the grid cannot have a cell that is closed. */
+void hk_liquid_warn_of_thin(const hk_liquid *);
 
 /* The particles by cells. */
 void hk_liquid_sort(hk_liquid *, const hk_liquid_particles *);

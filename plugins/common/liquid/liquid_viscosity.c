@@ -200,8 +200,77 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   return status;
 }
 
+/* ---- what it takes ---- */
+
+/* Shares the power of a strain among those of the cells that have particles. Returns what none of them took, W. */
+static double share(const hk_liquid *l, double power, const size_t *cell, int cells, double *to) {
+  int count = 0;
+  for (int k = 0; k < cells; k++) count += l->start[cell[k]] < l->start[cell[k] + 1];
+  for (int k = 0; k < cells; k++)
+    if (l->start[cell[k]] < l->start[cell[k] + 1]) to[cell[k]] += power / count;
+  return count ? 0 : power;
+}
+
+static double power_of(const hk_liquid *l, const hk_strain *e, double viscosity) {
+  double strain = e->walls;
+  for (int k = 0; k < e->count; k++) strain += e->by[k] * l->grid.u[e->axis[k]][e->at[k]];
+  return e->weight > 0 ? viscosity * e->weight * hk_liquid_cell_volume(&l->grid) * strain * strain : 0;
+}
+
+/* Of all strains whose lowest cell is i. */
+static double add_power(const hk_liquid *l, const hk_liquid_viscosity *v, size_t i, bool within) {
+  const hk_liquid_grid *g = &l->grid;
+  double left = 0;
+  hk_strain e;
+  for (int a = 0; a < 3; a++) {
+    if (g->flat[a]) continue;
+    if (within) {
+      hk_strain_along(l, i, a, &e);
+      left += share(l, power_of(l, &e, viscosity_in(v, i)), &i, 1, v->power);
+    }
+    for (int b = a + 1; b < 3; b++) {
+      if (g->flat[b]) continue;
+      size_t s = g->stride[a], t = g->stride[b];
+      hk_strain_between(l, i, a, b, v->slip, &e);
+      left += share(l, power_of(l, &e, viscosity_about(g, v, i, a, b)), (size_t[]){i, i - s, i - t, i - s - t}, 4,
+                    v->power);
+    }
+  }
+  return left;
+}
+
+static bool is_within(const hk_liquid_grid *g, size_t i) {
+  for (int c = 0; c < 3; c++)
+    if (i / g->stride[c] % (g->cells[c] + 2) > g->cells[c]) return false;
+  return true;
+}
+
+hk_status hk_liquid_dissipation(const hk_liquid *l, hk_liquid_viscosity *v, const hk_liquid_particles *p,
+                                double *specific) {
+  const hk_liquid_grid *g = &l->grid;
+  if (!v->power) v->power = l->host->allocate(l->host, g->size * sizeof *v->power);
+  if (!v->power)
+    return l->host->fail(l->host, HK_NO_MEMORY, "no memory for the heat of viscosity of %zu cells", g->size);
+  memset(v->power, 0, g->size * sizeof *v->power);
+  double left = 0, taken = 0;
+  for (size_t k = 0; k < hk_liquid_rows(g, 1); k++) {
+    size_t first = hk_liquid_row_at(g, k, 1).first;
+    for (size_t i = first; i <= first + g->cells[hk_liquid_inner(g)]; i++) left += add_power(l, v, i, is_within(g, i));
+  }
+  for (size_t c = 0; c < g->size; c++) taken += v->power[c];
+  double scale = taken > 0 ? 1 + left / taken : 0; /* cells of the liquid without particles are few */
+  for (size_t c = 0; c < g->size; c++) {
+    double mass = 0;
+    for (size_t k = l->start[c]; k < l->start[c + 1]; k++) mass += p->mass[p->index[l->sorted[k]]];
+    for (size_t k = l->start[c]; k < l->start[c + 1]; k++)
+      specific[p->index[l->sorted[k]]] = scale * v->power[c] / mass;
+  }
+  return HK_OK;
+}
+
 void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
-  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x, v->cell};
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start,
+                 v->column, v->value,  v->b,      v->x,    v->cell, v->power};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);

@@ -25,6 +25,7 @@ typedef struct hk_liquid_viscosity {
   size_t *start;    /* rows + 1 */
   uint32_t *column; /* rows x HK_VISCOUS_ROW, then without gaps */
   double *value;
+  double *power; /* size, W, of dissipation; NULL: nobody asked for it */
   double *b, *x; /* rows: what the strains of u* ask for; the change of the velocity, m/s */
   hk_gradients gradients;
   hk_incomplete factors;
@@ -34,6 +35,11 @@ typedef struct hk_liquid_viscosity {
  * projections: what is to be sheared has no divergence, and what comes of it has little. HK_NO_MEMORY,
  * HK_NOT_CONVERGED: with a message. */
 hk_status hk_liquid_shear(hk_liquid *, hk_liquid_viscosity *, double h);
+/* W/kg, of the listed particles: what the viscosity takes from the motion by the strains of the velocities that
+ * hk_liquid_shear has left, sum of mu V (2 e_aa^2 + g_ab^2), in equal shares by mass in a cell; that of an edge goes to
+ * the cells about it. HK_NO_MEMORY: with a message. */
+hk_status hk_liquid_dissipation(const hk_liquid *, hk_liquid_viscosity *, const hk_liquid_particles *,
+                                double *specific);
 void hk_liquid_viscosity_close(hk_liquid_viscosity *, const hk_host *);
 
 #endif

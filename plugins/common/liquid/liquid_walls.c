@@ -226,3 +226,18 @@ void hk_liquid_walls(hk_liquid *l) {
   find_room(l);
   close_thin_walls(l);
 }
+
+void hk_liquid_warn_of_thin(const hk_liquid *l) {
+  double cell = fmax(l->grid.spacing[0], fmax(l->grid.spacing[1], l->grid.spacing[2]));
+  for (size_t k = 0; k < l->obstacles->count; k++) {
+    const hk_shape *shape = &l->obstacles->member[k]->shape;
+    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
+    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
+    if (least < 2 * cell)
+      l->host->warn(
+          l->host,
+          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
+          "two of them; take smaller ones or a thicker obstacle",
+          k + 1, least, cell);
+  }
+}

@@ -69,14 +69,20 @@ static void arrays_of(hk_liquid_grid *g, double **list[ARRAYS]) {
   list[k++] = &g->solid;
 }
 
-hk_status hk_liquid_grid_open(hk_liquid_grid *g, const hk_host *host, const double low[3], const double high[3],
-                              double cell, double most) {
+hk_status hk_liquid_grid_lay(hk_liquid_grid *g, const hk_host *host, const double low[3], const double high[3],
+                             double cell, double most) {
   memset(g, 0, sizeof *g);
   memcpy(g->low, low, sizeof g->low);
   memcpy(g->high, high, sizeof g->high);
   hk_status status = measure(g, host, cell, most);
+  if (status == HK_OK) lay_out(g);
+  return status;
+}
+
+hk_status hk_liquid_grid_open(hk_liquid_grid *g, const hk_host *host, const double low[3], const double high[3],
+                              double cell, double most) {
+  hk_status status = hk_liquid_grid_lay(g, host, low, high, cell, most);
   if (status != HK_OK) return status;
-  lay_out(g);
   double **list[ARRAYS];
   arrays_of(g, list);
   bool all = true;

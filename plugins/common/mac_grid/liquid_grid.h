@@ -38,6 +38,9 @@ double hk_liquid_bytes(const double cells[3]);
  * low: no depth along that axis. HK_BAD_PARAM, with a message: the box has no room, or takes more than `most` bytes. */
 hk_status hk_liquid_grid_open(hk_liquid_grid *, const hk_host *, const double low[3], const double high[3], double cell,
                               double most);
+/* The same without the arrays, for whoever has their own in that layout. */
+hk_status hk_liquid_grid_lay(hk_liquid_grid *, const hk_host *, const double low[3], const double high[3], double cell,
+                             double most);
 void hk_liquid_grid_free(hk_liquid_grid *, const hk_host *);
 
 /* m^3 */

@@ -275,15 +275,20 @@ static int iterations(double (*mu)(const double x[3]), double h) {
 }
 
 static double solid_all(const double x[3]) { return x[0] < INFINITY ? 1e3 : 0; }
+static double harder_all(const double x[3]) { return x[0] < INFINITY ? 1e5 : 0; }
+static double half_harder(const double x[3]) { return x[0] < 1 ? 1e5 : 1e-3; }
 
-/* Half a drop that is a million times as viscous as the other half takes no more than three times the iterations of one
- * that is as viscous everywhere. */
+/* Half a drop that is 1e6 or 1e8 times as viscous as the other half takes no more than three times the iterations of
+ * one that is as viscous everywhere. */
 static void contrast_costs_few_iterations(void **state) {
   (void)state;
   for (double h = 0.01; h <= 10; h *= 1000) {
     int plain = iterations(solid_all, h), half = iterations(half_solid, h), thin = iterations(liquid_all, h);
     print_message("h = %g s: iterations %d all solid, %d half, %d all liquid\n", h, plain, half, thin);
     assert_true(half <= 3 * plain && thin <= plain);
+    int hard = iterations(harder_all, h), half_hard = iterations(half_harder, h);
+    print_message("of 1e8: %d all solid, %d half\n", hard, half_hard);
+    assert_true(half_hard <= 3 * hard);
   }
 }
 
