@@ -6,6 +6,7 @@
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make lib        libhooke.so, for C (core/app/hooke/hooke.h) and Python
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
+# make tarball    hooke with the libraries it needs, in build/tarball: runs from any folder, without root
 # make docs       the handbook, build/docs/index.html: its lessons are run
 # make wheel      a wheel for Python with the program and its plugins, in build/wheel (tools/python)
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
@@ -156,7 +157,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb docs wheel test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb tarball docs wheel test-long
 
 all: build
 build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
@@ -363,7 +364,7 @@ install: build
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc.$(make_id),$(pkg_config)) install -m 644 $B/hooke.pc.$(make_id) $(to)/lib/pkgconfig/hooke.pc && rm $B/hooke.pc.$(make_id)
 	$(file >$B/libhooke.pc.$(make_id),$(pkg_config_of_library)) install -m 644 $B/libhooke.pc.$(make_id) $(to)/lib/pkgconfig/libhooke.pc && rm $B/libhooke.pc.$(make_id)
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -name install-deps ! -name manual ! -name package ! -name '*.bash'); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -name install-deps ! -name manual ! -name package ! -name tarball ! -name Containerfile ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)
 	$B/hooke docs --manual $B/hooke-scene.7.$(make_id) && install -D -m 644 $B/hooke-scene.7.$(make_id) $(to)/share/man/man7/hooke-scene.7 && rm $B/hooke-scene.7.$(make_id)
@@ -374,6 +375,12 @@ deb:
 	rm -rf $B/deb && mkdir -p $B/deb
 	$(again) install DESTDIR=$(CURDIR)/$B/deb/hooke PREFIX=/usr >$B/deb/install.log
 	tools/package $B/deb $(version)
+
+tarball:
+	@$(WITH_CC) tools/install-deps tarball
+	rm -rf $B/tarball && mkdir -p $B/tarball
+	$(again) install DESTDIR=$(CURDIR)/$B/tarball/hooke-$(version) PREFIX= >$B/tarball/install.log
+	tools/tarball $B/tarball $(version)
 
 docs:
 	@$(WITH_CC) tools/install-deps run

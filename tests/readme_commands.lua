@@ -1,6 +1,6 @@
 -- What scripts/sweeps/README.md and scripts/validation/README.md show can be pasted: every line of their blocks of commands,
 -- and their scripts. The scenes that they name are small ones here, `...` in a script is an answer of its own, and lists of
--- problems take the place of hours. tests/tools/slurm.sh has --slurm.
+-- problems take the place of hours. tests/long/slurm.sh has --slurm.
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 local files = require("files")

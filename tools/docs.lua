@@ -31,7 +31,8 @@ local function texts_of(pattern, group)
       list[#list + 1] = { file = name:gsub("%.md$", ".html"), title = text:match("^# ([^\n]+)"), group = group, text = text }
     end
   end
-  table.sort(list, function(a, b) return a.file < b.file end)
+  local function number(p) return tonumber(p.file:match("^%d+")) or 0 end -- lesson 10 is behind lesson 9
+  table.sort(list, function(a, b) return number(a) ~= number(b) and number(a) < number(b) or number(a) == number(b) and a.file < b.file end)
   return list
 end
 

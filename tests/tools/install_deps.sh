@@ -102,6 +102,23 @@ rm -f "$dir/asked"
 deps build >"$dir/said" || fail "asked again: exit code $?"
 [ ! -e "$dir/asked" ] || fail "what cannot be had is asked for again"
 
+# Without root one sentence says what is missing and why it stays so; without a network it is the last one.
+stub id 'echo 1000'
+manager apt-get "exit 100"
+for case in "there is no sudo" "sudo asks for a password"; do
+  [ "$case" = "there is no sudo" ] || stub sudo "exit 1"
+  PKG_CONFIG_LIBDIR="$dir/nothing" deps run </dev/null >"$dir/said" && fail "$case: nothing is installed, and the exit code is 0"
+  [ "$(wc -l <"$dir/said")" = 1 ] || fail "$case: $(wc -l <"$dir/said") lines instead of a sentence: $(cat "$dir/said")"
+  grep -q "^hooke needs what is not here: .*Lua 5.4.*; to install it takes root, and $case: as root, tools/install-deps run\$" "$dir/said" ||
+    fail "$case: $(cat "$dir/said")"
+  [ ! -e "$dir/asked" ] || fail "$case: a package manager was called"
+done
+rm "$dir/stubs/sudo"
+stub id 'echo 0'
+PKG_CONFIG_LIBDIR="$dir/nothing" deps run >"$dir/said" && fail "no network: the exit code is 0"
+tail -n 1 "$dir/said" | grep -q '^hooke needs what could not be installed here (is there a network?): .*Lua 5.4.*; install it' ||
+  fail "no network: $(tail -n 1 "$dir/said")"
+
 # openSUSE: where the system ranks the reference BLAS higher, OpenBLAS is chosen, unless somebody has chosen already.
 for mode in auto manual; do
   blas libblas.so.3 blas/libblas.so.3.9.0

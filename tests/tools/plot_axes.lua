@@ -82,6 +82,14 @@ assert(text:find("some have no logarithm (1 point outside)", 1, true), text)
 local drawn, reason = plot.draw(folder, { x = { log = true, label = "limit" }, curves = { { points = { { 0, 1 } } } } })
 assert(not drawn and reason:find("no number of 'limit' is above 0, and its axis is logarithmic", 1, true), reason)
 
+-- Of twelve curves eight have names and colours, those that matter first, and four are one entry, grey, and drawn before them.
+curves = {}
+for k = 1, 12 do curves[k] = { title = "curve " .. k, points = { { 1, k }, { 2, k } }, main = k == 11 } end
+text = script { title = "many", curves = curves }
+for k = 1, 12 do assert((text:find("title 'curve " .. k .. "'", 1, true) ~= nil) == (k <= 7 or k == 11), text) end
+assert(select(2, text:gsub(" ls 99 ", "")) == 4 and text:find("ls 99 title '4 others'", 1, true), text)
+assert(text:find("'4 others'", 1, true) < text:find("'curve 1'", 1, true), text)
+
 -- ---- panels of validate: every error inside, also where they span less than a decade, and two ticks at least ----
 
 local panels = require("common.validate.panels")

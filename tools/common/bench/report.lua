@@ -290,12 +290,23 @@ local function bounds(curves, goal)
     round_number(1.1 * slow, true)
 end
 
+-- Whether a setting of the method is on the front that was found last.
+local function on_front(method)
+  for _, row in ipairs(method.rows) do
+    if row.front then return true end
+  end
+  return false
+end
+
 function report.draw(list, goal, chosen, path)
-  local curves = {}
+  local curves, front = {}, {}
+  for k, row in ipairs(report.front(list, goal)) do
+    front[k] = { math.max(row.error, goal.support), row.wall_s / goal.seconds }
+  end
   for _, method in ipairs(list) do
     local points = curve_of(method, goal)
     local title = method.label:gsub(":method=", " "):gsub(":", " ")
-    if #points > 0 then curves[#curves + 1] = { title = title, points = points } end
+    if #points > 0 then curves[#curves + 1] = { title = title, points = points, main = on_front(method) } end
   end
   if #curves == 0 then return nil, "no picture: there is no error to draw" end
   local low, high, fast, slow = bounds(curves, goal)
@@ -311,10 +322,6 @@ function report.draw(list, goal, chosen, path)
   commands[#commands + 1] = ("set label 2 'target' at first %g, graph 0.975 offset 0.6,0 tc rgb '#444444' "
     .. "font ',10' front")
     :format(goal.target)
-  local front = {}
-  for k, row in ipairs(report.front(list, goal)) do
-    front[k] = { math.max(row.error, goal.support), row.wall_s / goal.seconds }
-  end
   if #front > 0 then
     data[1] = { name = "FRONT", rows = axes.staircase(front, high, slow) }
     more[1] = "$FRONT using 1:2 with lines lw 9 lc rgb '#DADADA' title 'nothing is better'"

@@ -1,6 +1,7 @@
--- What a lesson shows is made when the handbook is built: "```lua NAME" is a scene that is written beside the page, "```run" are
--- commands whose output follows them, "```picture WORDS" is what the output `frames` draws of a scene. A command that ends
--- with another code than 0 (ok) or 5 (inaccurate) is an error of the lesson.
+-- What a lesson shows is made when the handbook is built: "```lua NAME" is a scene, and "```file NAME" any other text, that is
+-- written beside the page; "```run" are commands whose output follows them, "```diagram FILE" commands, if any, and the picture that
+-- they write, "```picture WORDS" what the output `frames` draws of a scene, with the text as its caption. A command that ends with
+-- another code than 0 (ok) or 5 (inaccurate) is an error of the lesson.
 local files = require("common.run.file")
 local lfs = require("lfs")
 local markdown = require("common.handbook.markdown")
@@ -60,21 +61,42 @@ local function show_scene(folder)
   end
 end
 
+local function figure(path, name, caption)
+  local words = caption:find("%S") and "<figcaption>" .. markdown.inline((caption:gsub("\n", " "))) .. "</figcaption>" or ""
+  return ("<figure><img src=\"%s\" alt=\"%s\">%s</figure>"):format(path, markdown.escape(name), words)
+end
+
+-- The commands, their output kept back, and the picture; without it where gnuplot, which draws it, is not there.
+local function show_diagram(folder)
+  return function(text, path)
+    local shown = {}
+    for command in text:gmatch("[^\n]+") do
+      run(folder, command)
+      shown[#shown + 1] = markdown.escape(command)
+    end
+    local commands = #shown > 0 and "<pre>" .. table.concat(shown, "\n") .. "</pre>\n" or ""
+    if not lfs.attributes(folder .. "/" .. path) then return commands end
+    return commands .. figure(path, path:match("([^/]+)%.%w+$"), "")
+  end
+end
+
 local sheet = "sheet=4,pictures=false,video=false,width=480,height=320"
 
 -- Four moments in one picture; nothing where hooke is built without pictures.
 local function show_picture(folder, pictures)
-  return function(_, words)
+  return function(caption, words)
     if not pictures then return "" end
     local name = words:match("([%w_]+)%.lua")
+    bring_scene(folder, words)
     run(folder, ("hooke run %s --quiet --out pictures/%s --with output:frames:%s"):format(words, name, sheet))
-    return ("<p><img src=\"pictures/%s/sheet.png\" alt=\"%s\"></p>"):format(name, name)
+    return figure(("pictures/%s/sheet.png"):format(name), name, caption)
   end
 end
 
 -- The page of a text of Markdown, in that folder. `pictures`: whether there are any.
 function lessons.html(text, folder, pictures)
-  return markdown.html(text, { run = show_runs(folder), lua = show_scene(folder), picture = show_picture(folder, pictures) })
+  return markdown.html(text, { run = show_runs(folder), lua = show_scene(folder), file = show_scene(folder),
+    diagram = show_diagram(folder), picture = show_picture(folder, pictures) })
 end
 
 return lessons

@@ -8,11 +8,11 @@ body { margin: 0; font: 16px/1.5 sans-serif; color: #222; background: #fff; disp
 nav { width: 15em; flex: none; padding: 1em; background: #f3f5f7; min-height: 100vh; box-sizing: border-box; }
 nav a { display: block; color: #146; text-decoration: none; } nav a.here { font-weight: bold; } nav h2 { font-size: 1em; margin: 1em 0 0; }
 main { padding: 1em 2em; max-width: 60em; min-width: 0; }
-pre { background: #f3f5f7; padding: .6em .8em; overflow-x: auto; font-size: 13px; }
-pre.output { border-left: 4px solid #9bc; white-space: pre-wrap; }
+pre { background: #f3f5f7; padding: .6em .8em; white-space: pre-wrap; font-size: 13px; }
+pre.output { border-left: 4px solid #9bc; }
 pre.scene { border-left: 4px solid #9c9; } code { background: #f3f5f7; padding: 0 .2em; }
 table { border-collapse: collapse; } td, th { border: 1px solid #ccd; padding: .2em .5em; text-align: left; vertical-align: top; }
-img { max-width: 100%; } h3 { margin-bottom: 0; }
+img { max-width: 100%; } figure { margin: 1em 0; } figcaption { color: #556; font-size: 14px; } h3 { margin-bottom: 0; }
 @media (max-width: 700px) { body { display: block; } nav { width: auto; min-height: 0; } main { padding: 1em; } }
 ]]
 

@@ -4,7 +4,8 @@
 --
 --   plot.draw("out/bench/circle/bench", {
 --     title = , x = { label = , log = true, min =, max = }, y = { ... },
---     curves = { { title =, points = { {x, y}, ... }, style = 3 (or nil: the next), lines = true, marks = true } },
+--     curves = { { title =, points = { {x, y}, ... }, style = 3 (or nil: the next), lines = true, marks = true,
+--       main = true } },                                      -- of more than eight, eight have names: these first
 --     commands = { "any gnuplot command before the plot" },
 --     more = { "any further item of the plot command" },      -- such as '$GIVEN with filledcurves ...'
 --     data = { { name =, rows = { {..}, ... } } },            -- further blocks of data, by name
@@ -14,7 +15,8 @@
 -- returns true; or nil and the reason why there is no picture (data and script are written in any case).
 --
 -- Ranges are widened where a point would be outside (`fixed = true` of an axis: not so, and the title says how many are).
--- Up to four curves that reach the right side have their names there instead of a legend.
+-- Up to eight curves that reach the right side have their names there instead of a legend. Of more than eight curves eight
+-- have colours and names, as many as can be told apart, and the rest is grey behind them.
 local axes = require("common.run.axes")
 local files = require("common.run.file")
 
@@ -107,6 +109,28 @@ function plot.axis(letter, a, lines, values)
   end
 end
 
+local most_coloured, grey = 8, 99 -- a style of its own
+
+-- Of too many curves: all but eight become grey, and one of these says how many they are.
+local function grey_out(figure)
+  local left, rest = most_coloured, {}
+  if #(figure.curves or {}) <= most_coloured then return end
+  for pass = 1, 2 do
+    for _, curve in ipairs(figure.curves) do
+      if (pass == 1) == (curve.main or false) then
+        curve.named = left > 0
+        left = left - 1
+      end
+    end
+  end
+  for _, curve in ipairs(figure.curves) do
+    if not curve.named then rest[#rest + 1] = curve end
+  end
+  for k, curve in ipairs(rest) do
+    curve.style, curve.marks, curve.title = grey, curve.lines == false, k == 1 and ("%d others"):format(#rest) or ""
+  end
+end
+
 local function item(curve, k)
   local with = curve.marks == false and "lines" or curve.lines == false and "points" or "linespoints"
   return ("$CURVE%d using 1:2 with %s ls %d title %s noenhanced"):format(k, with, curve.style or k,
@@ -123,7 +147,7 @@ end
 
 -- ---- names beside curves ----
 
-local most_named, line_height = 4, 0.04 -- of the diagram's height
+local most_named, line_height = 8, 0.04 -- of the diagram's height
 
 -- From numbers on an axis to 0 to 1, and back.
 local function scale_of(a, values)
@@ -187,8 +211,9 @@ local function settings(figure, lines)
   if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(plot.title(figure.title, figure.x, figure.y))) end
   for k = 1, #(figure.curves or {}) + 1 do lines[#lines + 1] = plot.style_line(k) end
   for _, curve in ipairs(figure.curves or {}) do
-    if curve.style then lines[#lines + 1] = plot.style_line(curve.style) end
+    if curve.style and curve.style ~= grey then lines[#lines + 1] = plot.style_line(curve.style) end
   end
+  lines[#lines + 1] = ("set style line %d lc rgb '#CCCCCC' pt 7 ps 0.6 lw 1 dt 1"):format(grey)
   name_curves(figure, lines)
 end
 
@@ -203,11 +228,16 @@ end
 
 local function script_of(name, figure)
   local lines, items = { ("load '%s.dat'"):format(name) }, {}
+  grey_out(figure)
   settings(figure, lines)
   if figure.matrix then items[1] = heat_map(figure, lines) end
   for _, command in ipairs(figure.commands or {}) do lines[#lines + 1] = command end
   for _, more in ipairs(figure.more or {}) do items[#items + 1] = more end
-  for k, curve in ipairs(figure.curves or {}) do items[#items + 1] = item(curve, k) end
+  for behind = 1, 0, -1 do
+    for k, curve in ipairs(figure.curves or {}) do
+      if (curve.style == grey) == (behind == 1) then items[#items + 1] = item(curve, k) end
+    end
+  end
   lines[#lines + 1] = "plot " .. table.concat(items, ", \\\n     ")
   return table.concat(lines, "\n") .. "\n"
 end

@@ -7,7 +7,7 @@ local lfs = require("lfs")
 local three = {}
 
 three.places = { "/usr/share/javascript/three/", "/usr/share/nodejs/three/build/", "/usr/local/lib/node_modules/three/build/",
-  "/usr/lib/node_modules/three/build/" }
+  "/usr/lib/node_modules/three/build/", (hooke and hooke.folder or "tools") .. "/view/" } -- the last: of an archive that brings its own
 local names = { "three.min.js", "three.js", "three.cjs", "three.module.min.js", "three.module.js" }
 
 local licence = [[

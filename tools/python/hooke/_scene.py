@@ -129,6 +129,12 @@ class Run(State):
             return {name: list(column) for name, column in self._table.items()}
         return pandas.DataFrame(self._table).set_index("t")
 
+    def plot(self, names=None, axes=None):
+        """Measures over time, by matplotlib: these, or all; eight lines with names, the rest grey. Gives the axes."""
+        from . import _plot
+
+        return _plot.plot(self, names, axes)
+
     def page(self, path=None):
         """The scene as a page to play, turn and share, by `hooke view`, which runs it again; a notebook shows it."""
         return _page.make(self.scene, self._options, path)
