@@ -6,15 +6,16 @@ const PLACE = "/hooke/"; // where the files are that the engine looks for: a bui
 const OK = 0;
 
 class Engine {
-  // module: the instance; heard(letter, body): gets the messages of the run (plugins/common/live/messages.h)
+  // module: the instance
   constructor(module) {
     this.module = module;
     this.run = 0;
   }
 
-  // wasm: its bytes, or a WebAssembly.Module; files: { path: text }, of an installation
+  // wasm: its bytes, or a WebAssembly.Module; files: { path: text }, of an installation; heard(letter, body): gets the
+  // messages of the run (plugins/common/live/messages.h)
   static async open({ wasm, files, heard = () => {} }) {
-    const said = [], options = { print: (line) => said.push(line), printErr: (line) => console.warn(line), message: heard };
+    const options = { print: (line) => console.log(line), printErr: (line) => console.warn(line), message: heard };
     if (wasm instanceof WebAssembly.Module)
       options.instantiateWasm = (imports, done) => {
         WebAssembly.instantiate(wasm, imports).then((instance) => done(instance, wasm));
@@ -22,7 +23,6 @@ class Engine {
       };
     else options.wasmBinary = wasm;
     const engine = new Engine(await hooke_module(options));
-    engine.said = said;
     engine.furnish(files);
     return engine;
   }
@@ -56,11 +56,7 @@ class Engine {
   // The scene's own name without the folder, which is none of the user's.
   plain(sentence) { return sentence.split(`${PLACE}scripts/scenes/`).join(""); }
 
-  parameters() {
-    this.said.length = 0;
-    this.module._page_parameters(this.run);
-    return JSON.parse(this.said.join("\n")).parameters;
-  }
+  parameters() { return JSON.parse(this.text(this.call("hooke_parameters", [], []))).parameters; }
 
   get time() { return this.module._hooke_time(this.run); }
   get end() { return this.module._hooke_end(this.run); }

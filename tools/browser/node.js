@@ -1,4 +1,4 @@
-// node tools/browser/node.js BUILD SCENE.lua [name=value ...] [--state FILE]: a scene by hooke in WebAssembly without a page, and
+// node tools/browser/node.js BUILD SCENE.lua [name=value ...] [--state FILE] [--option value ...]: a scene by hooke in WebAssembly without a page, and
 // its summary as JSON: what a test compares with the program, and a bench of their speeds.
 "use strict";
 const fs = require("fs"), path = require("path");
@@ -21,6 +21,7 @@ put("build/plugins/synonyms", path.join(root, "plugins/synonyms"));
   let state;
   for (let k = 0; k < more.length; k++) {
     if (more[k] === "--state") state = more[++k];
+    else if (more[k].startsWith("--")) options.push([more[k].slice(2), more[++k]]);
     else values[more[k].split("=")[0]] = more[k].split("=").slice(1).join("=");
   }
   const wrong = engine.begin(path.basename(scene), fs.readFileSync(scene, "utf8"), values, options);

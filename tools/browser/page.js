@@ -28,9 +28,17 @@ hooke.page = (() => {
     }
   }
 
+  // Numbers without limits have a slider, too: of about three powers of ten, which makes it logarithmic, or of some more.
+  const ranged = (p) => {
+    const initial = Number(p.initial), has = (limit) => typeof limit === "number";
+    if (p.type !== "number" && p.type !== "integer" || !(initial > 0) || has(p.min) && has(p.max) && p.max < 100 * initial) return p;
+    const [low, high] = p.type === "integer" ? [1, 4 * initial] : [initial / 32, 32 * initial];
+    return { ...p, min: has(p.min) ? Math.max(p.min, low) : low, max: has(p.max) ? Math.min(p.max, high) : high };
+  };
+
   class Page {
     constructor() {
-      Object.assign(this, { number: 0, values: {}, doing: "ended", parameters: [], tables: new Map() });
+      Object.assign(this, { number: 0, values: {}, doing: "ended", pace: 1, parameters: [], tables: new Map() });
       this.editor = new hooke.editor.Editor($("script"), $("inked"));
     }
 
@@ -86,7 +94,7 @@ hooke.page = (() => {
       Object.assign(this, { doing: "running", error: undefined, summary: undefined, text: this.editor.text, opened: false });
       this.complain("");
       this.next = new hooke.history.History(this.number, this.title, this.kinds);
-      this.send("pace", { pace: this.pace || 0 });
+      this.send("pace", { pace: this.pace });
       this.send("start", { number: this.number, name: `${this.scene.name}.lua`, text: this.text, values: this.values });
     }
 
@@ -120,7 +128,7 @@ hooke.page = (() => {
     show(parameters) {
       this.history = this.next;
       this.opened = true;
-      this.parameters = parameters;
+      this.parameters = parameters.map(ranged);
       if (this.link && this.shown === this.text) return;
       this.shown = this.text;
       if (this.link) this.link.closed = true;

@@ -1,7 +1,6 @@
-/* What a page calls beside libhooke (core/app/hooke/hooke.h): the parameters of a scene, the user's hand, and the files
- * of the plugins that are linked in. Names begin with page_; engine.js is who calls. */
+/* What a page calls beside libhooke (core/app/hooke/hooke.h): the user's hand, and the files of the plugins that are
+ * linked in. Names begin with page_; engine.js is who calls. */
 #include "tools/browser/run.h"
-#include "core/app/hooke/internal.h"
 #include "tools/browser/linked.h"
 
 #include <emscripten.h>
@@ -12,12 +11,6 @@ const hk_page_hand *hk_page_hand_now(void) { return &hand; }
 
 EMSCRIPTEN_KEEPALIVE void page_hold(uint32_t id, double x, double y, double z, double strength) {
   hand = (hk_page_hand){id, {x, y, z}, strength};
-}
-
-/* Prints them as one line of JSON, as `hooke run --help --json` does. */
-EMSCRIPTEN_KEEPALIVE void page_parameters(const hooke_run *run) {
-  hk_parameters_print(run->script, true);
-  fflush(stdout);
 }
 
 /* "forces/drag", for k = 0, 1, 2, ...; NULL: there are no more. */

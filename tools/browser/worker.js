@@ -3,6 +3,7 @@
 // AHEAD pieces are under way to the page, which answers "got" to each: so that a slow page holds the run back.
 "use strict";
 const PIECE = 20, AHEAD = 3; // ms; pieces
+const SLOW = 10, SHOWN = 30; // frames a second
 
 const wire = new MessageChannel(); // a turn of the event loop without the 4 ms of setTimeout
 
@@ -41,8 +42,12 @@ class Session {
     else wire.port1.postMessage(0);
   }
 
-  // ms until the clock has come to the run's time.
-  early() { return this.pace > 0 ? 1000 * (this.engine.time - this.began.t) / this.pace - (performance.now() - this.began.wall) : 0; }
+  // ms until the clock has come to the run's time. Where frames are few a second, as of planets, a second of the run is none
+  // of the clock: such a scene has SHOWN frames a second.
+  early() {
+    const pace = this.pace * (this.fps < SLOW ? SHOWN / this.fps : 1);
+    return pace > 0 ? 1000 * (this.engine.time - this.began.t) / pace - (performance.now() - this.began.wall) : 0;
+  }
 
   work() {
     if (this.doing !== "running" || this.ahead >= AHEAD) return; // "go" and "got" come back here
