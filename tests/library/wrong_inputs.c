@@ -97,7 +97,7 @@ static void running(void) {
   const double *heat = hooke_channel(run, "heat", &size);
   check(heat && size == 1 && *heat == 7 && !hooke_channel(run, "cold", &size) && size == 0, "channels by their names");
   check(!hooke_measure_name(run, 1) && strcmp(hooke_measure_name(run, 0), "z") == 0, "measures end with NULL");
-  check(strncmp(hooke_parameters(run), "{\"parameters\":[{\"name\":\"z\"", 29) == 0, "the scene declares z");
+  check(strstr(hooke_parameters(run), "{\"parameters\":[{\"name\":\"z\",") != NULL, "the scene declares z");
   expect(run, hooke_finish(run), HOOKE_INTERRUPTED, "");
   check(frames == 4 && strcmp(hooke_verdict(run), "interrupted") == 0, "hooke_stop ends the run at its next step");
   hooke_free(run);

@@ -16,12 +16,13 @@ size=$(wc -c <$page)
 echo "$page: $size bytes"
 [ "$size" -lt 5000000 ] || stop "the page has $size bytes, and 5,000,000 are its bound"
 
-export HK_ROOT="$root" HK_BUILD="$root/build" HOOKE_LANES=2
+export HK_ROOT="$root" HK_BUILD="$root/build"
 folder=$(mktemp -d) && trap 'rm -rf "$folder"' EXIT
 timeout 150 lua5.4 tests/support/view/desk.lua "$root/$page" "$folder/page.csv" "$root/build/browser/page.png" || stop "the page"
 
 # Beside the program: the same bits. What the page has more, the user's hand, holds nothing.
-build/hooke run scripts/scenes/string.lua --with force:pull:by_hand=true --no-output --no-check --quiet --threads 1 --state "$folder/program.csv" || stop "the program"
+HOOKE_LANES=2 build/hooke run scripts/scenes/string.lua --with force:pull:by_hand=true --no-output --no-check --quiet \
+  --threads 1 --state "$folder/program.csv" || stop "the program"
 cmp "$folder/page.csv" "$folder/program.csv" || stop "the string ends elsewhere in the page"
 
 
