@@ -48,7 +48,8 @@ static void descriptions(void) {
   expect(run, hooke_advance(run, 1), HOOKE_BAD_PARAM, "hooke_open comes first");
   expect(run, hooke_finish(run), HOOKE_BAD_PARAM, "hooke_open comes first");
   expect(run, hooke_checkpoint(run, "x"), HOOKE_BAD_PARAM, "no scene has been opened");
-  check(!hooke_positions(run) && !hooke_summary(run) && !hooke_parameters(run) && hooke_count(run) == 0 && isnan(hooke_time(run)),
+  check(!hooke_positions(run) && !hooke_summary(run) && !hooke_parameters(run) && hooke_count(run) == 0 &&
+            isnan(hooke_time(run)),
         "there is nothing to look at before hooke_open");
   hooke_free(run);
 }

@@ -33,6 +33,7 @@ class Engine {
       this.module.FS.mkdirTree((PLACE + path).replace(/\/[^/]*$/, ""));
       this.module.FS.writeFile(PLACE + path, text);
     };
+    this.module.FS.mkdirTree(`${PLACE}scripts/scenes`); // where the scene seems to be
     for (const [path, text] of Object.entries(files)) put(path, text);
     const held = "This plugin is linked into the program that looks for it here.\n";
     for (let k = 0, name; (name = this.text(this.module._page_plugin(k))); k++) put(`build/plugins/${name}.so`, held);

@@ -69,9 +69,11 @@ hooke.page = (() => {
       this.begin();
     }
 
-    // The script as it stands, with its own values of the parameters.
+    // The script as it stands, with its own values of the parameters, but for those that the page's list of scenes has and the
+    // script still declares.
     begin() {
-      this.values = {};
+      const declared = Object.entries(this.scene.values).filter(([name]) => this.editor.text.includes(`param("${name}"`));
+      this.values = Object.fromEntries(declared.map(([name, value]) => [name, String(value)]));
       this.start();
     }
 
