@@ -68,8 +68,7 @@ int clock_gettime(clockid_t clock, struct timespec *t) {
   return 0;
 }
 
-/* The file system of a page has no links: a real path is the path without "." and "..". (Emscripten's own says of a
- * file that is not there what no other system says.) */
+/* The file system of a page has no links: a real path is the path without "." and "..". */
 char *realpath(const char *restrict path, char *restrict into) {
   char name[PATH_MAX], whole[PATH_MAX] = "", *rest = name;
   bool fits = *path == '/'
