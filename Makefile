@@ -8,6 +8,7 @@
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
 # make tarball    hooke with the libraries it needs, in build/tarball: runs from any folder, without root
 # make docs       the handbook, build/docs/index.html: its lessons are run
+# make browser    hooke in WebAssembly with its page, build/browser/hooke.html, one file (tools/browser)
 # make wheel      a wheel for Python with the program and its plugins, in build/wheel (tools/python)
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
 #                 arm64 under emulation (as root, minutes)
@@ -157,7 +158,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb tarball docs wheel test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb tarball docs wheel browser test-long
 
 all: build
 build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
@@ -321,14 +322,14 @@ $(studies): $B/study/%: $B/obj/tests/study/%.o $(archives)
 clean:
 	rm -rf build
 
-c_files = $(shell find core plugins tests tools/native -name '*.[ch]' 2>/dev/null)
+c_files = $(shell find core plugins tests tools/native tools/browser -name '*.[ch]' 2>/dev/null)
 format:
 	clang-format -i $(c_files)
 
 lint:
 	@$(WITH_CC) tools/install-deps lint
 	@luacheck --quiet scripts tools tests; lua=$$?; \
-	printf '%s\n' $(filter-out tests/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
+	printf '%s\n' $(filter-out tests/% tools/browser/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
 	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS) && exit $$lua
 
 to = $(DESTDIR)$(PREFIX)
@@ -364,7 +365,7 @@ install: build
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc.$(make_id),$(pkg_config)) install -m 644 $B/hooke.pc.$(make_id) $(to)/lib/pkgconfig/hooke.pc && rm $B/hooke.pc.$(make_id)
 	$(file >$B/libhooke.pc.$(make_id),$(pkg_config_of_library)) install -m 644 $B/libhooke.pc.$(make_id) $(to)/lib/pkgconfig/libhooke.pc && rm $B/libhooke.pc.$(make_id)
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -name install-deps ! -name manual ! -name package ! -name tarball ! -name Containerfile ! -name '*.bash'); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -path 'tools/python/*' ! -path 'tools/browser/*' ! -name install-deps ! -name manual ! -name package ! -name tarball ! -name Containerfile ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 	tools/manual $B/hooke >$B/hooke.1.$(make_id) && install -D -m 644 $B/hooke.1.$(make_id) $(to)/share/man/man1/hooke.1 && rm $B/hooke.1.$(make_id)
 	$B/hooke docs --manual $B/hooke-scene.7.$(make_id) && install -D -m 644 $B/hooke-scene.7.$(make_id) $(to)/share/man/man7/hooke-scene.7 && rm $B/hooke-scene.7.$(make_id)
@@ -394,5 +395,10 @@ wheel:
 	rm $B/wheel/hooke/prefix/lib/libhooke.so
 	strip --strip-unneeded $B/wheel/hooke/prefix/bin/hooke $$(find $B/wheel/hooke/prefix/lib -name '*.so*')
 	tools/python/make_wheel $B/wheel $(version)
+
+browser:
+	@$(WITH_CC) tools/install-deps browser
+	$(again) build
+	+@$(MAKE) --no-print-directory -f tools/browser/Makefile
 
 -include $(compiled:.o=.d)

@@ -103,6 +103,10 @@ local function forbidden(from, to)
     if not target and not to:find("^tools/native/") and not to:find("^plugins/common/") and not to:find("^plugins/kit/") then
       return "a native module of tools sees core/, plugins/kit and plugins/common only"
     end
+  elseif from:find("^tools/browser/") then
+    if not (target or to:find("^tools/%a+/") or to:find("^plugins/common/")) then
+      return "the page sees core/, plugins/common, native modules and tools/common only"
+    end
   elseif from:find("^tools/common/") then
     if not (to:find("^tools/common/") or to:find("^tools/native/") or to:find("^scripts/lib/")) then
       return "tools/common sees native modules and scripts/lib only"

@@ -48,7 +48,8 @@ static void descriptions(void) {
   expect(run, hooke_advance(run, 1), HOOKE_BAD_PARAM, "hooke_open comes first");
   expect(run, hooke_finish(run), HOOKE_BAD_PARAM, "hooke_open comes first");
   expect(run, hooke_checkpoint(run, "x"), HOOKE_BAD_PARAM, "no scene has been opened");
-  check(!hooke_positions(run) && !hooke_summary(run) && hooke_count(run) == 0 && isnan(hooke_time(run)),
+  check(!hooke_positions(run) && !hooke_summary(run) && !hooke_parameters(run) && hooke_count(run) == 0 &&
+            isnan(hooke_time(run)),
         "there is nothing to look at before hooke_open");
   hooke_free(run);
 }
@@ -97,6 +98,7 @@ static void running(void) {
   const double *heat = hooke_channel(run, "heat", &size);
   check(heat && size == 1 && *heat == 7 && !hooke_channel(run, "cold", &size) && size == 0, "channels by their names");
   check(!hooke_measure_name(run, 1) && strcmp(hooke_measure_name(run, 0), "z") == 0, "measures end with NULL");
+  check(strstr(hooke_parameters(run), "{\"parameters\":[{\"name\":\"z\",") != NULL, "the scene declares z");
   expect(run, hooke_finish(run), HOOKE_INTERRUPTED, "");
   check(frames == 4 && strcmp(hooke_verdict(run), "interrupted") == 0, "hooke_stop ends the run at its next step");
   hooke_free(run);

@@ -115,6 +115,9 @@ HOOKE_API hooke_status hooke_write_state(hooke_run *, const char *path);
 /* All figures of the run as a JSON object, as --json prints them; NULL: no memory, or not opened. Valid until the next
  * call of it. */
 HOOKE_API const char *hooke_summary(hooke_run *);
+/* What the scene declares by param(), as a JSON object {"parameters":[{name, type, initial, value, help, min, max}, ...]};
+ * NULL: no memory, or not opened. Valid until the next call of it. */
+HOOKE_API const char *hooke_parameters(hooke_run *);
 /* "running", "ok", "inaccurate", "diverged" or "interrupted"; final after hooke_finish. */
 HOOKE_API const char *hooke_verdict(const hooke_run *);
 

@@ -30,7 +30,7 @@ struct hooke_run {
   volatile sig_atomic_t stopped;
   hooke_frame_function *on_frame;
   void *context;
-  char *summary;
+  char *summary, *declared; /* texts as JSON, of the last call that asked for them */
 };
 
 /* What of the calling thread is the program's, while the library computes: how numbers are written and rounded. */

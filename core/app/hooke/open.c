@@ -63,6 +63,7 @@ void hooke_free(hooke_run *run) {
   free(run->options.with);
   free(run->text);
   free(run->summary);
+  free(run->declared);
   free(run);
   hooke_leave(&own);
 }

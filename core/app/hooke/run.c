@@ -115,6 +115,22 @@ const char *hooke_summary(hooke_run *run) {
   return run->summary;
 }
 
+const char *hooke_parameters(hooke_run *run) {
+  if (!run || !run->run) return NULL;
+  hooke_surroundings own;
+  size_t size;
+  hooke_enter(&own);
+  free(run->declared);
+  run->declared = NULL;
+  FILE *file = open_memstream(&run->declared, &size);
+  if (file) {
+    hk_parameters_write(file, run->script);
+    fclose(file);
+  }
+  hooke_leave(&own);
+  return run->declared;
+}
+
 const char *hooke_verdict(const hooke_run *run) {
   return run && run->run ? hk_verdict_name(run->run->judgement.verdict) : "running";
 }

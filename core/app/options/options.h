@@ -36,5 +36,6 @@ void hk_options_print(void); /* the help, on standard output */
 
 /* parameters.c: those that the script declares, on standard output: a table for people, or a list as JSON. */
 void hk_parameters_print(const hk_script *, bool json);
+void hk_parameters_write(FILE *, const hk_script *); /* the list as JSON */
 
 #endif

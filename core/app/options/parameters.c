@@ -21,35 +21,41 @@ static void print_row(const hk_param_declared *p) {
   printf("\n");
 }
 
-static void write_object(const hk_param_declared *p) {
+static void write_object(FILE *file, const hk_param_declared *p) {
   const char *const text[][2] = {
       {"name", p->name}, {"type", p->type}, {"initial", p->initial}, {"value", p->value}, {"help", p->help}};
-  putchar('{');
+  putc('{', file);
   for (size_t k = 0; k < sizeof text / sizeof *text; k++) {
-    hk_json_key(stdout, text[k][0]);
-    hk_json_string(stdout, text[k][1] ? text[k][1] : "");
-    putchar(',');
+    hk_json_key(file, text[k][0]);
+    hk_json_string(file, text[k][1] ? text[k][1] : "");
+    putc(',', file);
   }
-  hk_json_key(stdout, "min");
-  hk_json_number(stdout, p->min);
-  putchar(',');
-  hk_json_key(stdout, "max");
-  hk_json_number(stdout, p->max);
-  putchar('}');
+  hk_json_key(file, "min");
+  hk_json_number(file, p->min);
+  putc(',', file);
+  hk_json_key(file, "max");
+  hk_json_number(file, p->max);
+  putc('}', file);
+}
+
+void hk_parameters_write(FILE *file, const hk_script *script) {
+  const hk_param_declared *list;
+  size_t count = hk_script_params(script, &list);
+  fputs("{\"parameters\":[", file);
+  for (size_t k = 0; k < count; k++) {
+    if (k) putc(',', file);
+    write_object(file, &list[k]);
+  }
+  fputs("]}\n", file);
 }
 
 void hk_parameters_print(const hk_script *script, bool json) {
   const hk_param_declared *list;
-  size_t count = hk_script_params(script, &list);
   if (json) {
-    printf("{\"parameters\":[");
-    for (size_t k = 0; k < count; k++) {
-      if (k) putchar(',');
-      write_object(&list[k]);
-    }
-    printf("]}\n");
+    hk_parameters_write(stdout, script);
     return;
   }
+  size_t count = hk_script_params(script, &list);
   if (count) printf("\nparameters of this scene (name=value):\n");
   for (size_t k = 0; k < count; k++) print_row(&list[k]);
 }
