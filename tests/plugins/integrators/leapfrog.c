@@ -148,8 +148,8 @@ static void landing_with_dampers_is_balanced(void **state) {
   assert_true(fabs(drift) < 3e-4);
 }
 
-/* A chain of cables falls on a cylinder; cables become taut and slack all the time. Multipliers that jump are no error of
- * the motion's energy: it is off by the cube of the step, 1.6e-5 at half the step, and was by 4e-3 at this one. */
+/* A chain of cables falls on a cylinder; cables become taut and slack all the time. Multipliers that jump are no error
+ * of the motion's energy: it is off by the cube of the step, 1.6e-5 at half the step, and was by 4e-3 at this one. */
 static const char chain[] =
     "local s = hooke.scene{ duration = 0.6, fps = 50, dt = 1e-3, integrator = 'leapfrog' }\n"
     "local c = s:strand{ n = 13, length = 0.6, from = { -0.27, 0.004, 0.4 }, direction = { 1, 0, 0 }, mass = 0.1 }\n"
