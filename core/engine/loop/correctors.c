@@ -94,13 +94,19 @@ static double energy_of(hk_loop *loop, const double *X) {
   return hk_state_kinetic(loop->state, X) + hk_query_potential(loop->dynamics, loop->state->t, X);
 }
 
+static bool is_measured(const hk_loop *loop, const hk_corrector *functions) {
+  return functions->flags & HK_REPORTS_WORK && loop->method->order > 1;
+}
+
 /* A corrector knows the energy of its moves to the order of the step alone, so it is measured. Its own figure counts
- * where a force has no energy in the state that was corrected, as a barrier in an overlap. */
+ * where a force has no energy in the state that was corrected, as a barrier in an overlap, and with methods of order 1,
+ * whose positions and velocities are not those of one time. */
 static void note(account *a, hk_loop *loop, const hk_corrector *functions, const hk_correction *c) {
   hk_state *s = loop->state;
   bool reports = functions->flags & HK_REPORTS_WORK;
-  double work = 0;
-  if (reports) work = energy_of(loop, s->X) - (a->moved ? a->before : energy_of(loop, loop->X_end));
+  double work = reports ? NAN : 0;
+  if (is_measured(loop, functions))
+    work = energy_of(loop, s->X) - (a->moved ? a->before : energy_of(loop, loop->X_end));
   if (reports && !isfinite(work)) work = c->work;
   a->moved = true;
   a->silent |= !reports;
@@ -117,13 +123,13 @@ static void commit(hk_record *record, const account *a) {
   record->contact_work += a->contact;
 }
 
-/* Where the work of the whole step is known, that stands in place of what was measured: not beside constraints, whose
- * forces may jump in it. */
+/* Where the work of the whole step is known, that stands in place of what was measured: not of methods of order 1,
+ * whose positions and velocities are not those of one time, and beside constraints. */
 static hk_status settle(hk_loop *loop, account *a, double h) {
   const hk_corrected_facet *facet = &hk_integrator_tables_of(loop->method)->corrected;
   hk_state *s = loop->state;
   hk_corrected whole = {.work = NAN};
-  bool followed = !loop->dynamics->constrain && hk_correctors_need_start(loop);
+  bool followed = loop->method->order > 1 && !loop->dynamics->constrain && hk_correctors_need_start(loop);
   hk_status status = hk_forces_settle(loop->dynamics);
   if (status != HK_OK || a->silent || !(facet->account || followed)) return status;
   hk_system *system = &loop->dynamics->system;
@@ -159,7 +165,7 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool last, bool *rejected
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n, .last = last};
     if (loop->pins->has_slides) c.filter = filter, c.pins = loop->pins;
     if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
-    if (done.moved && functions->flags & HK_REPORTS_WORK) done.before = energy_of(loop, s->X);
+    if (done.moved && is_measured(loop, functions)) done.before = energy_of(loop, s->X);
     status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
     if (c.reject && functions->flags & HK_MAY_REJECT) return reject(loop, correctors->item[k], c.part, rejected);
