@@ -126,7 +126,7 @@ static hk_status account(void *self, const void *method, hk_system *s, const dou
   double forces = 0, rest = 0;
   (void)method;
   out->work = NAN;
-  if (s->constraint && s->constraint->holonomic) return HK_OK; /* the slope is that of RATTLE's next step */
+  if (s->constraint) return HK_OK; /* RATTLE's slope is that of the next step, and multipliers of cables jump in it */
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   const double *to = slope_of(m, s, m->newest);

@@ -8,7 +8,7 @@ local angle = param("angle", 1.2, "from which the ball is let go, rad", { min = 
 local T = param("duration", 0.9, "s", { min = 0.1 })
 local mu = param("friction", 0.6, "")
 
-local scene = hooke.scene { duration = T, fps = 50, dt = 1 / 500, integrator = "leapfrog" }
+local scene = hooke.scene { duration = T, fps = 50, dt = 1 / 1000, integrator = "leapfrog" }
 
 local g, size, thickness, r = 9.81, brick_wall.size, 0.002, 0.1
 local wall = brick_wall.build(scene, rows, columns, thickness)

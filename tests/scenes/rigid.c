@@ -109,14 +109,16 @@ static void the_cradle_hands_on(void **state) {
   near("angle of the last", acos(1 - (1 - cos(0.6)) * pow(0.95, 8)), 1e-3);
 }
 
-/* The ball keeps its energy until it hits; then the wall falls, and the chain holds. */
+/* The ball keeps its energy until it hits; then the wall falls, and the chain holds. At half the step all three bricks
+ * are displaced, too, and the ball is slower by 9e-5 m/s (two rows show none or two by the step). */
 static void the_wrecking_ball_breaks_the_wall(void **state) {
   (void)state;
   test_scene(&r, "wrecking_ball", "rows=2 columns=1 links=2 duration=0.36");
   near("displaced", 0, 0);
   if (!(test_json(r.out, "speed of the ball") > 2.5)) fail_msg("%g m/s", test_json(r.out, "speed of the ball"));
-  test_scene(&r, "wrecking_ball", "rows=2 columns=1 links=2 duration=0.6");
-  near("displaced", 2, 0);
+  test_scene(&r, "wrecking_ball", "rows=3 columns=1 links=2 duration=0.6");
+  near("displaced", 3, 0);
+  near("speed of the ball", 2.1865, 1e-3);
   near("intersections", 0, 0);
   near("constraint_violation", 0, 1e-10);
 }

@@ -66,6 +66,7 @@ typedef struct hk_watch {
   hk_stated_bounds expected;   /* at the next one */
   size_t next, every;          /* evaluations of the run: at the next measurement, between two */
   size_t measurements;
+  size_t often; /* times as many measurements as else for the same evaluations, where steps cost more; 0: as 1 */
 } hk_watch;
 
 /* After an estimate at the present state. scratch: 6n doubles, here and below. */

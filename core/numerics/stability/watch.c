@@ -47,11 +47,12 @@ static double change(double now, double before) { return now > 0 ? fabs(now - be
 
 static void set_interval(hk_watch *w, size_t evaluations) {
   double most = fmax(change(w->seen.stiffness, w->last.stiffness), change(w->seen.damping, w->last.damping));
-  bool paid = MEASURE_COST * w->measurements <= evaluations / MEASURE_PART + MEASURE_COST * MEASURE_FREE;
+  size_t often = w->often ? w->often : 1, longest = MOST / often;
+  bool paid = MEASURE_COST * w->measurements <= often * evaluations / MEASURE_PART + MEASURE_COST * MEASURE_FREE;
   if (most > fast && paid)
     w->every = w->every / 2 > LEAST ? w->every / 2 : LEAST;
   else if (most < slow || !paid)
-    w->every = 2 * w->every < MOST ? 2 * w->every : MOST;
+    w->every = 2 * w->every < longest ? 2 * w->every : longest;
   w->next = evaluations + w->every;
 }
 

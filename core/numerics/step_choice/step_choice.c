@@ -11,6 +11,10 @@
  * their stiffness and are watched, and of those that the watch asks for. */
 enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
 
+/* Where surfaces are kept apart by impulses a sheet may be crushed within few steps, and a step costs as much as some
+ * ten evaluations: so many times as often. */
+enum { OFTEN_IN_CONTACT = 10 };
+
 /* Of estimates after births and deaths: evaluations of the run per evaluation of one, the number that is free, and the
  * inverse of the part of the particles that has to be new. */
 enum { REVIEW_BIRTHS = 20, FREE_BIRTHS = 10, TURNOVER = 10 };
@@ -54,6 +58,13 @@ static hk_status select_fast(hk_step_choice *c, hk_dynamics *d) {
   return hk_leave_with(c->integrator, outer, "select_fast", split->select_fast(c->integrator->self, &d->system));
 }
 
+static size_t often(const hk_dynamics *d) {
+  const hk_instances *correctors = &d->plugins->kind[HK_CORRECTOR];
+  for (size_t k = 0; k < correctors->count; k++)
+    if (correctors->item[k]->plugin->corrector->contacts) return OFTEN_IN_CONTACT;
+  return 1;
+}
+
 /* `method`: the one whose step is wanted, or that is given one; NULL: all is estimated. The evaluations and sampled
  * times of an estimate are not added to those of the run. */
 static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method, double given) {
@@ -67,6 +78,7 @@ static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator
   c->estimated_at = before.evaluations;
   double(*block)[6] = status == HK_OK ? allocate_blocks(d) : NULL;
   if (!block) return status == HK_OK ? HK_NO_MEMORY : status;
+  c->watch.often = often(d);
   hk_watch_begin(&c->watch, &d->system, block, before.evaluations);
   c->length.watch_at = c->watch.next;
   free(block);
@@ -169,7 +181,7 @@ static hk_step_choice *choice_of(hk_step_length *length) { return (hk_step_choic
 /* After enough evaluations; with `event`, always. */
 static hk_status reestimate(hk_step_length *length, hk_dynamics *d, bool event) {
   hk_step_choice *c = choice_of(length);
-  size_t every = c->watch.allowed.covered ? REVIEW_WATCHED : REVIEW_EVERY;
+  size_t every = (c->watch.allowed.covered ? REVIEW_WATCHED : REVIEW_EVERY) / often(d);
   if (!watches(c, d)) return HK_OK;
   if (!event && d->count.evaluations - c->estimated_at < every * c->estimate_cost) return HK_OK;
   double old = c->dt_limit;
@@ -228,7 +240,7 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   hk_status status = reestimate(length, d, false);
   if (status == HK_OK) status = measure(c, d, now, &risen);
   if (status != HK_OK || !risen) return status;
-  if (REVIEW_RISEN * c->estimates_cost <= now + REVIEW_FREE * c->estimate_cost) {
+  if (REVIEW_RISEN * c->estimates_cost <= often(d) * now + REVIEW_FREE * c->estimate_cost) {
     status = reestimate(length, d, true);
     c->estimates_cost += c->estimate_cost;
     if (status == HK_OK) status = measure(c, d, now, &risen);

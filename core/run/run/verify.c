@@ -200,6 +200,7 @@ static hk_status try_one(const hk_scene_loader *loader, const hk_run_options *fi
   if (r->tol > 0) o.tol = r->tol;
   hk_status status = loader->open(loader->context, &o, &again, &why);
   if (status == HK_OK) status = hk_run_advance(again, hk_run_end(again), &why);
+  if (status == HK_OK) status = hk_run_close(again, &why); /* which judges it */
   if (status == HK_OK) hk_run_summary(again, &s);
   if (status == HK_OK) status = hk_verify(loader, &o, false, again, &s, &why);
   if (status == HK_OK) {

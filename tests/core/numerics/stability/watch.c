@@ -114,8 +114,22 @@ static void what_stiffens_counts_as_undamped(void **state) {
   assert_true(fabs(s.damped[0].offset - (1 + 0.01 * 110)) < 1e-12 && s.damped[0].slope == 0.01);
 }
 
+/* Where steps cost more, as in contact: the longest interval, and the price of a look, are a tenth. */
+static void looks_may_be_more_frequent(void **state) {
+  (void)state;
+  spring_network *w = chain();
+  hk_watch rare = {0}, often = {.often = 10};
+  estimate(w, &rare);
+  estimate(w, &often);
+  for (int k = 0; k < 40; k++) assert_false(rises(w, &rare) || rises(w, &often));
+  assert_int_equal(rare.every, 1024);
+  assert_int_equal(often.every, 102);
+  network_destroy(w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(looks_may_be_more_frequent),
       cmocka_unit_test(what_stays_is_no_rise),
       cmocka_unit_test(a_rise_raises_the_spectrum),
       cmocka_unit_test(a_slow_rise_is_seen_in_time),

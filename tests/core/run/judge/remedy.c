@@ -119,6 +119,26 @@ static void a_step_that_would_not_do_is_not_offered(void **state) {
   assert_null(strstr(r.out, "would do"));
 }
 
+/* The step that is offered as tried is one with which the run is ok. */
+static void a_step_that_was_tried_would_do(void **state) {
+  (void)state;
+  test_write("swing.lua", "local scene = hooke.scene { duration = 1, fps = 50 }\n"
+                          "scene:particles { positions = { { 0, 0, 0 }, { 0.3, 0.1, -1 } }, mass = 0.5 }\n"
+                          "scene:pin { 1 }\n"
+                          "scene:force('springs', { edges = { { 1, 2 } }, k = 200, rest = 1 })\n"
+                          "scene:force('gravity', {})\nreturn scene\n");
+  test_hooke(&r, NULL, "run swing.lua --integrator leapfrog --dt 0.02 --accuracy 1e-3 --json --quiet --no-output");
+  assert_int_equal(r.code, 5);
+  const char *remedy = strstr(r.out, "\"remedy\":\"--dt ");
+  if (!remedy || !strstr(remedy, "would do: a run with it is ok")) fail_msg("%s", remedy ? remedy : r.out);
+  char again[256];
+  snprintf(again, sizeof again,
+           "run swing.lua --integrator leapfrog --dt %g --accuracy 1e-3 --json --quiet --no-output",
+           strtod(strstr(remedy, "--dt ") + 5, NULL));
+  test_hooke(&r, NULL, again);
+  assert_int_equal(r.code, 0);
+}
+
 static void a_run_that_is_ok_has_none(void **state) {
   (void)state;
   run("--integrator rk4 --dt 0.001 --accuracy 1e-3");
@@ -133,6 +153,7 @@ int main(void) {
       cmocka_unit_test(a_tolerance_that_a_run_has_is_no_remedy),
       cmocka_unit_test(what_it_rests_on_is_said),
       cmocka_unit_test(a_step_that_would_not_do_is_not_offered),
+      cmocka_unit_test(a_step_that_was_tried_would_do),
       cmocka_unit_test(a_run_that_is_ok_has_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
