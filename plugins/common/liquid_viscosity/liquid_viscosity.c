@@ -1,6 +1,6 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
-#include "plugins/common/liquid/liquid_viscosity.h"
-#include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
+#include "plugins/common/liquid_viscosity/viscous_bodies.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
 
 #include <string.h>
@@ -8,6 +8,12 @@
 enum { GRAIN = 1024 };
 
 typedef void (*strain_visitor)(void *context, const hk_strain *e);
+
+/* Numbers that a face's row may have. */
+static size_t width_of(const hk_liquid_viscosity *v) {
+  size_t bodies = v->bodies < HK_VISCOUS_ROW - 1 ? v->bodies : HK_VISCOUS_ROW - 1;
+  return HK_VISCOUS_ROW + 6 * bodies;
+}
 
 /* Pa s, of the strain along an axis in cell i; of that between axes a and b at its lowest corner of both. */
 static double viscosity_in(const hk_liquid_viscosity *v, size_t i) {
@@ -46,21 +52,22 @@ static void add_weight(void *context, const hk_strain *e) { *(double *)context +
 
 /* ---- which faces ---- */
 
-static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t rows) {
-  if (rows <= v->most) return HK_OK;
+static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t rows, size_t numbers) {
+  if (rows <= v->most && numbers <= v->room) return HK_OK;
   void *old[] = {v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
-  v->most = 0;
+  v->most = v->room = 0;
   v->face = host->allocate(host, rows * sizeof *v->face);
   v->axis = host->allocate(host, rows);
   v->start = host->allocate(host, (rows + 1) * sizeof *v->start);
-  v->column = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->column);
-  v->value = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->value);
+  v->column = host->allocate(host, numbers * sizeof *v->column);
+  v->value = host->allocate(host, numbers * sizeof *v->value);
   v->b = host->allocate(host, rows * sizeof *v->b);
   v->x = host->allocate(host, rows * sizeof *v->x);
   if (!v->face || !v->axis || !v->start || !v->column || !v->value || !v->b || !v->x)
     return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu faces: take larger cells", rows);
   v->most = rows;
+  v->room = numbers;
   return HK_OK;
 }
 
@@ -95,8 +102,8 @@ typedef struct equation {
   int axis, count;
   double factor; /* h/density, s m^3/kg: by the viscosity an area, m^2 */
   double b;
-  uint32_t column[HK_VISCOUS_ROW];
-  double value[HK_VISCOUS_ROW];
+  uint32_t column[HK_VISCOUS_MOST];
+  double value[HK_VISCOUS_MOST];
 } equation;
 
 static void add_to(equation *q, uint32_t column, double value) {
@@ -113,14 +120,17 @@ static void add_to(equation *q, uint32_t column, double value) {
 /* What the strain's energy says of the face: its derivative, by that of the face's mass. */
 static void add_strain(void *context, const hk_strain *e) {
   equation *q = context;
-  double own = 0, strain = e->walls;
+  double own = 0;
   if (!(e->weight > 0)) return;
-  for (int k = 0; k < e->count; k++) {
+  for (int k = 0; k < e->count; k++)
     if (e->axis[k] == q->axis && e->at[k] == q->face) own = q->factor * e->weight * e->by[k];
-    strain += e->by[k] * q->l->grid.u[e->axis[k]][e->at[k]];
-  }
-  q->b -= own * strain;
+  q->b -= own * hk_strain_now(&q->l->grid, e);
   for (int k = 0; k < e->count; k++) add_to(q, q->v->row[e->axis[k]][e->at[k]], own * e->by[k]);
+  for (int k = 0; k < e->covered; k++) {
+    double by[6];
+    hk_strain_by_body(q->l, e, k, by);
+    for (size_t c = 0; c < 6; c++) add_to(q, (uint32_t)(q->v->body_row[e->body[k]] + c), own * by[c]);
+  }
 }
 
 typedef struct task {
@@ -131,29 +141,55 @@ typedef struct task {
 
 static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
+  size_t width = width_of(t->v);
   (void)piece;
   for (size_t r = begin; r < end; r++) {
-    equation q = {.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
+    equation q;
+    q = (equation){.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
     add_to(&q, (uint32_t)r, hk_liquid_part_of_face(t->l, q.face, q.axis));
     visit_strains(t->l, t->v, q.axis, q.face, add_strain, &q);
-    memcpy(t->v->column + HK_VISCOUS_ROW * r, q.column, sizeof q.column);
-    memcpy(t->v->value + HK_VISCOUS_ROW * r, q.value, sizeof q.value);
+    memcpy(t->v->column + width * r, q.column, width * sizeof *q.column);
+    memcpy(t->v->value + width * r, q.value, width * sizeof *q.value);
     t->v->start[r + 1] = (size_t)q.count;
     t->v->b[r] = q.b;
   }
 }
 
 /* Rows one behind the other. */
-static hk_matrix close_up(hk_liquid_viscosity *v, size_t rows) {
+static hk_matrix close_up(hk_liquid_viscosity *v) {
+  size_t rows = v->faces + 6 * v->bodies;
   v->start[0] = 0;
-  for (size_t r = 0; r < rows; r++) {
+  for (size_t r = 0; r < v->faces; r++) {
     size_t count = v->start[r + 1], to = v->start[r];
-    memmove(v->column + to, v->column + HK_VISCOUS_ROW * r, count * sizeof *v->column);
-    memmove(v->value + to, v->value + HK_VISCOUS_ROW * r, count * sizeof *v->value);
+    memmove(v->column + to, v->column + width_of(v) * r, count * sizeof *v->column);
+    memmove(v->value + to, v->value + width_of(v) * r, count * sizeof *v->value);
     v->start[r + 1] = to + count;
   }
+  hk_viscous_bodies_close_up(v);
   return (hk_matrix){
       .rows = rows, .block = 1, .row_start = v->start, .column = v->column, .value = v->value, .symmetric = true};
+}
+
+/* Those of the bodies: every strain that one of them is part of, once. */
+static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double factor) {
+  const hk_liquid_grid *g = &l->grid;
+  for (size_t k = 0; k < hk_liquid_rows(g, 1) && v->bodies; k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
+    for (size_t i = row.first; i <= row.first + g->cells[hk_liquid_inner(g)]; i++)
+      for (int a = 0; a < 3; a++) {
+        hk_strain e;
+        if (g->flat[a] || !hk_viscous_bodies_near(l, i)) continue;
+        hk_strain_along(l, i, a, &e);
+        e.weight *= viscosity_in(v, i);
+        hk_viscous_bodies_add(l, v, &e, factor);
+        for (int b = a + 1; b < 3; b++) {
+          if (g->flat[b]) continue;
+          hk_strain_between(l, i, a, b, v->slip, &e);
+          e.weight *= viscosity_about(g, v, i, a, b);
+          hk_viscous_bodies_add(l, v, &e, factor);
+        }
+      }
+  }
 }
 
 /* ---- the solution ---- */
@@ -187,21 +223,30 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
     if (!v->row[a]) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", g->size);
     memset(v->row[a], 0xff, g->size * sizeof *v->row[a]);
   }
-  size_t rows = number_faces(l, v, false);
-  hk_status status = rows ? make_room(v, host, rows) : HK_OK;
-  if (status != HK_OK || rows == 0) return status;
+  hk_status status = hk_viscous_bodies_open(v, l);
+  v->faces = number_faces(l, v, false);
+  if (status != HK_OK || v->faces == 0) return status;
+  hk_viscous_bodies_begin(v, l);
+  size_t own = 6 * v->bodies, rows = v->faces + own;
+  status = make_room(v, host, rows, width_of(v) * v->faces + own * own);
+  if (status != HK_OK) return status;
   number_faces(l, v, true);
   task t = {l, v, h / l->density};
-  host->parallel_for(host, rows, GRAIN, fill_rows, &t);
-  hk_matrix A = close_up(v, rows);
+  memset(v->b + v->faces, 0, own * sizeof *v->b);
+  add_to_bodies(l, v, t.factor);
+  host->parallel_for(host, v->faces, GRAIN, fill_rows, &t);
+  hk_matrix A = close_up(v);
   memset(v->x, 0, rows * sizeof *v->x);
   status = solve(v, host, &A);
-  for (size_t r = 0; r < rows && status == HK_OK; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
-  return status;
+  if (status != HK_OK) return status;
+  for (size_t r = 0; r < v->faces; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
+  hk_viscous_bodies_end(v, l);
+  return HK_OK;
 }
 
 void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
-  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x, v->cell};
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start,    v->column,
+                 v->value,  v->b,      v->x,      v->cell, v->body_row, v->among};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);

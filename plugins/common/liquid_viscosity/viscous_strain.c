@@ -1,4 +1,4 @@
-#include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/liquid_viscosity/viscous_strain.h"
 
 static const double nearest_wall = 0.1; /* of the way to the next face: a wall is no nearer */
 
@@ -24,6 +24,18 @@ static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cel
   return count ? sum / count : 1;
 }
 
+/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. */
+static void add_wall(const hk_liquid *l, int a, size_t at, double by, hk_strain *e) {
+  const hk_liquid_bodies *bodies = &l->bodies;
+  uint16_t owner = bodies->count ? bodies->owner[a][at] : 0;
+  e->walls += by * l->grid.wall[a][at];
+  if (owner == 0 || !bodies->body[owner - 1].free || !bodies->body[owner - 1].wet) return;
+  e->body[e->covered] = (uint16_t)(owner - 1);
+  e->covered_axis[e->covered] = a;
+  e->covered_at[e->covered] = at;
+  e->covered_by[e->covered++] = by;
+}
+
 double hk_liquid_part_of_face(const hk_liquid *l, size_t i, int a) {
   const hk_liquid_grid *g = &l->grid;
   return part_of(mean_distance(g, (size_t[]){i, i - g->stride[a]}, 2));
@@ -37,7 +49,7 @@ void hk_strain_along(const hk_liquid *l, size_t i, int a, hk_strain *e) {
     size_t at = k ? i + g->stride[a] : i;
     double by = k ? unit : -unit;
     if (!(g->open[a][at] > 0)) {
-      e->walls += by * g->wall[a][at];
+      add_wall(l, a, at, by, e);
       continue;
     }
     e->axis[e->count] = a;
@@ -74,7 +86,7 @@ static double add_difference(const hk_liquid *l, int a, size_t below, size_t abo
   for (int k = 0; k < 2; k++) {
     double by = (k ? unit : -unit) / part;
     if (!open[k]) {
-      e->walls += by * g->wall[a][at[k]];
+      add_wall(l, a, at[k], by, e);
       continue;
     }
     e->axis[e->count] = a;

@@ -1,0 +1,27 @@
+/* Rigid bodies in the equations of a liquid's viscosity. A body that the liquid moves covers faces, whose velocities
+ * are v + w x r; with its kinetic energy m |v - v*|^2/2 + (w - w*).I (w - w*)/2 in the sum that is made least
+ * (liquid_viscosity.h), what the strains beside it take from the liquid the body gets, and its drag is implicit. Batty
+ * and Bridson 2008, section 5, couple bodies by the pressure so; here it is the viscosity. */
+#ifndef HK_VISCOUS_BODIES_H
+#define HK_VISCOUS_BODIES_H
+
+#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
+#include "plugins/common/liquid_viscosity/viscous_strain.h"
+
+/* 1/s, of the velocities that the faces have. */
+double hk_strain_now(const hk_liquid_grid *, const hk_strain *);
+/* What a unit of each of the six motions of the body adds by the covered face k: 1/m, and 1. */
+void hk_strain_by_body(const hk_liquid *, const hk_strain *, int k, double by[6]);
+
+/* In a step: _open counts the bodies, and with the number of faces known _begin enters their masses; every strain is
+ * added once; _close_up puts the rows behind those of the faces; with the solution _end changes their motion, and that
+ * of the faces that they cover. HK_NO_MEMORY, with a message. */
+hk_status hk_viscous_bodies_open(hk_liquid_viscosity *, const hk_liquid *);
+void hk_viscous_bodies_begin(hk_liquid_viscosity *, const hk_liquid *);
+/* Whether a body is near enough to the lowest corner of cell i to cover a face of its strains. */
+bool hk_viscous_bodies_near(const hk_liquid *, size_t i);
+void hk_viscous_bodies_add(const hk_liquid *, hk_liquid_viscosity *, const hk_strain *, double factor);
+void hk_viscous_bodies_close_up(hk_liquid_viscosity *);
+void hk_viscous_bodies_end(const hk_liquid_viscosity *, hk_liquid *);
+
+#endif
