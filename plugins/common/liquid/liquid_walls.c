@@ -124,20 +124,23 @@ static uint16_t owner_of(const hk_liquid *l, size_t i, int c) {
   return l->bodies.beside[deepest];
 }
 
-/* m/s, of the solid that covers a part of the face. */
-static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
-  uint16_t owner = l->bodies.count ? l->bodies.owner[c][i] : 0;
-  nearest_solid nearest;
-  double x[3], u[3];
+double hk_liquid_obstacle_speed(const hk_liquid *l, const double x[3], int c) {
   static const double rest[3];
-  point_of(&l->grid, row, i, c, x);
-  if (owner) {
-    hk_liquid_body_velocity(&l->bodies.body[owner - 1], x, u);
-    return u[c];
-  }
+  nearest_solid nearest;
+  double u[3];
   distance_at(l, x, &nearest);
   if (!nearest.obstacle) return 0;
   hk_body_move(&nearest.obstacle->motion.end, x, rest, u);
+  return u[c];
+}
+
+/* m/s, of the solid that covers a part of the face. */
+static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
+  uint16_t owner = l->bodies.count ? l->bodies.owner[c][i] : 0;
+  double x[3], u[3];
+  point_of(&l->grid, row, i, c, x);
+  if (!owner) return hk_liquid_obstacle_speed(l, x, c);
+  hk_liquid_body_velocity(&l->bodies.body[owner - 1], x, u);
   return u[c];
 }
 

@@ -15,10 +15,9 @@ double hk_strain_now(const hk_liquid_grid *g, const hk_strain *e) {
 void hk_strain_by_body(const hk_liquid *l, const hk_strain *e, int k, double by[6]) {
   const hk_liquid_grid *g = &l->grid;
   int c = e->covered_axis[k];
-  double x[3], r[3];
+  double r[3];
   const double along[3] = {c == 0, c == 1, c == 2};
-  hk_liquid_face_place(g, e->covered_at[k], c, x);
-  hk_subtract(r, x, l->bodies.body[e->body[k]].centre);
+  hk_subtract(r, e->covered_at[k], l->bodies.body[e->body[k]].centre);
   for (int a = 0; a < 3; a++) r[a] = g->flat[a] ? 0 : r[a];
   hk_cross(by + 3, r, along); /* (w x r).e = w.(r x e) */
   for (int a = 0; a < 3; a++) {

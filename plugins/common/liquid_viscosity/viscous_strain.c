@@ -24,15 +24,27 @@ static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cel
   return count ? sum / count : 1;
 }
 
-/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. */
-static void add_wall(const hk_liquid *l, int a, size_t at, double by, hk_strain *e) {
+/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. The wall is on the way to the
+ * face at `beside`, `back` of it from the closed one, and its velocity is that which it has there: with that of the
+ * closed face a drum of 13 cells would have turned its liquid 8 % faster than itself. */
+static void add_wall(const hk_liquid *l, int a, size_t at, size_t beside, double back, double by, hk_strain *e) {
+  const hk_liquid_grid *g = &l->grid;
   const hk_liquid_bodies *bodies = &l->bodies;
   uint16_t owner = bodies->count ? bodies->owner[a][at] : 0;
-  e->walls += by * l->grid.wall[a][at];
+  double *x = e->covered_at[e->covered], open[3], u[3];
+  hk_liquid_face_place(g, at, a, x);
+  hk_liquid_face_place(g, beside, a, open);
+  for (int c = 0; c < 3; c++) x[c] += back * (open[c] - x[c]);
+  if (owner) {
+    hk_liquid_body_velocity(&bodies->body[owner - 1], x, u);
+    e->walls += by * u[a];
+  } else {
+    bool moves = back > 0 && !l->stood && in_box(g, at) && !hk_thin_walls_at(&l->thin, a, at);
+    e->walls += by * (moves ? hk_liquid_obstacle_speed(l, x, a) : g->wall[a][at]);
+  }
   if (owner == 0 || !bodies->body[owner - 1].free || !bodies->body[owner - 1].wet) return;
   e->body[e->covered] = (uint16_t)(owner - 1);
   e->covered_axis[e->covered] = a;
-  e->covered_at[e->covered] = at;
   e->covered_by[e->covered++] = by;
 }
 
@@ -49,7 +61,7 @@ void hk_strain_along(const hk_liquid *l, size_t i, int a, hk_strain *e) {
     size_t at = k ? i + g->stride[a] : i;
     double by = k ? unit : -unit;
     if (!(g->open[a][at] > 0)) {
-      add_wall(l, a, at, by, e);
+      add_wall(l, a, at, at, 0, by, e);
       continue;
     }
     e->axis[e->count] = a;
@@ -86,7 +98,7 @@ static double add_difference(const hk_liquid *l, int a, size_t below, size_t abo
   for (int k = 0; k < 2; k++) {
     double by = (k ? unit : -unit) / part;
     if (!open[k]) {
-      add_wall(l, a, at[k], by, e);
+      add_wall(l, a, at[k], at[1 - k], 1 - part, by, e);
       continue;
     }
     e->axis[e->count] = a;

@@ -17,8 +17,8 @@ typedef struct hk_strain {
   int covered; /* those of the faces that count for `walls` which bodies cover that the liquid moves */
   uint16_t body[4];
   int covered_axis[4];
-  size_t covered_at[4];
-  double covered_by[4]; /* 1/m */
+  double covered_at[4][3]; /* m, where the wall is */
+  double covered_by[4];    /* 1/m */
 } hk_strain;
 
 /* That along axis a in cell i; that between the axes a and b at the edge that is the cell's lowest corner of both. */

@@ -17,27 +17,24 @@ return validation.problem {
   title = "Gresho's vortex after a turn",
   quantities = {
     { name = "kinetic energy kept", reference = 1, source = "Gresho and Chan 1990: a steady flow" },
-    { name = "angular momentum kept", reference = 1, source = "Gresho and Chan 1990: a steady flow", tolerance = 0.03 },
   },
   space = { 20, 30, 40 },
   noise = 0.01,
   tolerance = 0.06,
   why = "its kinks at r = 0.2 and 0.4 m leave order 1, so that the levels here do not resolve more",
-  quick = { space = { 12, 14, 16 }, tolerance = 0.35 },
+  quick = { space = { 16, 20, 24 }, tolerance = 0.3 },
   solve = function(at)
     local steps = math.ceil(2 * at.n * T)
     local scene, count = tank.scene { n = at.n, h = T / steps, top = 1, duration = T, velocity = velocity }
-    local function sums(state)
-      local energy, spin = 0, 0
+    local function energy(state)
+      local sum = 0
       for id = 1, count do
-        local p, v = state:position(id), state:velocity(id)
-        energy = energy + v[1] ^ 2 + v[3] ^ 2
-        spin = spin + (p[1] - 0.5) * v[3] - (p[3] - 0.5) * v[1]
+        local v = state:velocity(id)
+        sum = sum + v[1] ^ 2 + v[3] ^ 2
       end
-      return energy, spin
+      return sum
     end
-    local e0, s0 = sums(scene:run { to = 0 }:state())
-    local e1, s1 = sums(scene:run():state())
-    return { e1 / e0, s1 / s0 }
+    local first = energy(scene:run { to = 0 }:state())
+    return energy(scene:run():state()) / first
   end,
 }
