@@ -35,7 +35,7 @@ static void visit_strains(const hk_liquid *l, const hk_liquid_viscosity *v, int 
   hk_strain e;
   for (int k = 0; k < 2; k++) {
     size_t cell = k ? i - g->stride[a] : i;
-    hk_strain_along(l, cell, a, &e);
+    hk_strain_along(l, cell, a, v->slip, &e);
     e.weight *= viscosity_in(v, cell);
     each(to, &e);
   }
@@ -80,8 +80,9 @@ static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list
       size_t first = hk_liquid_row_at(g, k, 0).first;
       for (size_t i = first; i < first + length; i++) {
         if (!list) {
-          double weight = g->open[a][i] > 0 ? hk_liquid_part_of_face(l, i, a) : 0;
-          if (g->open[a][i] > 0 && !(weight > 0)) visit_strains(l, v, a, i, add_weight, &weight);
+          bool held = hk_viscous_face_held(l, i, a, v->slip);
+          double weight = held ? 0 : hk_liquid_part_of_face(l, i, a);
+          if (!held && !(weight > 0)) visit_strains(l, v, a, i, add_weight, &weight);
           v->row[a][i] = weight > 0 ? (uint32_t)count : HK_LIQUID_NONE;
         } else if (v->row[a][i] != HK_LIQUID_NONE) {
           v->face[count] = (uint32_t)i;
@@ -179,7 +180,7 @@ static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double fac
       for (int a = 0; a < 3; a++) {
         hk_strain e;
         if (g->flat[a] || !hk_viscous_bodies_near(l, i)) continue;
-        hk_strain_along(l, i, a, &e);
+        hk_strain_along(l, i, a, v->slip, &e);
         e.weight *= viscosity_in(v, i);
         hk_viscous_bodies_add(l, v, &e, factor);
         for (int b = a + 1; b < 3; b++) {
@@ -215,6 +216,18 @@ static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_mat
   return hk_gradients_solve(&v->gradients, host, &system, v->b, v->x, NULL);
 }
 
+/* Faces that are open in part and have their centre in a solid move as it does. */
+static void hold_faces(hk_liquid *l, const hk_liquid_viscosity *v) {
+  hk_liquid_grid *g = &l->grid;
+  size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
+  for (size_t k = 0; k < rows && !v->slip; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++)
+      for (int a = 0; a < 3; a++)
+        if (g->open[a][i] > 0 && hk_viscous_face_held(l, i, a, false)) g->u[a][i] = g->wall[a][i];
+  }
+}
+
 hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   const hk_host *host = l->host;
   hk_liquid_grid *g = &l->grid;
@@ -241,6 +254,7 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   if (status != HK_OK) return status;
   for (size_t r = 0; r < v->faces; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
   hk_viscous_bodies_end(v, l);
+  hold_faces(l, v);
   return HK_OK;
 }
 
