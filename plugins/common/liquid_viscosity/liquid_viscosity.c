@@ -71,6 +71,16 @@ static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t r
   return HK_OK;
 }
 
+/* Of a row: its equation of 15 numbers, as it is, by its upper half for products, and of that the incomplete factors;
+ * right-hand side, solution and vectors of the iteration. Three numbers of rows in a cell. */
+static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8, bytes_of_cell = 3 * 4 + 8;
+
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
+  double cells = (double)g->cells[0] * (double)g->cells[1] * (double)g->cells[2];
+  int axes = !g->flat[0] + !g->flat[1] + !g->flat[2];
+  return axes * cells * bytes_of_row + (double)g->size * bytes_of_cell;
+}
+
 /* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. */
 static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list) {
   const hk_liquid_grid *g = &l->grid;

@@ -39,6 +39,8 @@ typedef struct hk_liquid_viscosity {
   hk_incomplete factors;
 } hk_liquid_viscosity;
 
+/* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. */
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *);
 /* Applies it to the velocities for a step of h, s; after hk_liquid_walls and hk_liquid_find_surface, and between two
  * projections: what is to be sheared has no divergence, and what comes of it has little. HK_NO_MEMORY,
  * HK_NOT_CONVERGED: with a message. */

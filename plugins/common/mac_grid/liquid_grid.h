@@ -38,6 +38,8 @@ double hk_liquid_bytes(const double cells[3]);
  * low: no depth along that axis. HK_BAD_PARAM, with a message: the box has no room, or takes more than `most` bytes. */
 hk_status hk_liquid_grid_open(hk_liquid_grid *, const hk_host *, const double low[3], const double high[3], double cell,
                               double most);
+/* HK_BAD_PARAM, with a message: with `more` bytes for what else the liquid needs it is more than `most`. */
+hk_status hk_liquid_grid_check(const hk_liquid_grid *, const hk_host *, const char *what, double more, double most);
 void hk_liquid_grid_free(hk_liquid_grid *, const hk_host *);
 
 /* m^3 */
