@@ -1,6 +1,5 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
 #include "plugins/common/liquid_viscosity/liquid_viscosity.h"
-#include "plugins/common/liquid_viscosity/viscous_bodies.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
 
 #include <string.h>
@@ -11,7 +10,7 @@ typedef void (*strain_visitor)(void *context, const hk_strain *e);
 
 /* Numbers that a face's row may have. */
 static size_t width_of(const hk_liquid_viscosity *v) {
-  size_t bodies = v->bodies < HK_VISCOUS_ROW - 1 ? v->bodies : HK_VISCOUS_ROW - 1;
+  size_t bodies = v->bodies.count < HK_VISCOUS_ROW - 1 ? v->bodies.count : HK_VISCOUS_ROW - 1;
   return HK_VISCOUS_ROW + 6 * bodies;
 }
 
@@ -140,7 +139,7 @@ static void add_strain(void *context, const hk_strain *e) {
   for (int k = 0; k < e->covered; k++) {
     double by[6];
     hk_strain_by_body(q->l, e, k, by);
-    for (size_t c = 0; c < 6; c++) add_to(q, (uint32_t)(q->v->body_row[e->body[k]] + c), own * by[c]);
+    for (size_t c = 0; c < 6; c++) add_to(q, (uint32_t)(q->v->bodies.row[e->body[k]] + c), own * by[c]);
   }
 }
 
@@ -168,7 +167,7 @@ static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
 
 /* Rows one behind the other. */
 static hk_matrix close_up(hk_liquid_viscosity *v) {
-  size_t rows = v->faces + 6 * v->bodies;
+  size_t rows = v->faces + 6 * v->bodies.count;
   v->start[0] = 0;
   for (size_t r = 0; r < v->faces; r++) {
     size_t count = v->start[r + 1], to = v->start[r];
@@ -176,7 +175,7 @@ static hk_matrix close_up(hk_liquid_viscosity *v) {
     memmove(v->value + to, v->value + width_of(v) * r, count * sizeof *v->value);
     v->start[r + 1] = to + count;
   }
-  hk_viscous_bodies_close_up(v);
+  hk_viscous_bodies_close_up(&v->bodies, v->start, v->column, v->value, v->b);
   return (hk_matrix){
       .rows = rows, .block = 1, .row_start = v->start, .column = v->column, .value = v->value, .symmetric = true};
 }
@@ -184,7 +183,7 @@ static hk_matrix close_up(hk_liquid_viscosity *v) {
 /* Those of the bodies: every strain that one of them is part of, once. */
 static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double factor) {
   const hk_liquid_grid *g = &l->grid;
-  for (size_t k = 0; k < hk_liquid_rows(g, 1) && v->bodies; k++) {
+  for (size_t k = 0; k < hk_liquid_rows(g, 1) && v->bodies.count; k++) {
     const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
     for (size_t i = row.first; i <= row.first + g->cells[hk_liquid_inner(g)]; i++)
       for (int a = 0; a < 3; a++) {
@@ -192,12 +191,12 @@ static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double fac
         if (g->flat[a] || !hk_viscous_bodies_near(l, i)) continue;
         hk_strain_along(l, i, a, v->slip, &e);
         e.weight *= viscosity_in(v, i);
-        hk_viscous_bodies_add(l, v, &e, factor);
+        hk_viscous_bodies_add(l, &v->bodies, &e, factor);
         for (int b = a + 1; b < 3; b++) {
           if (g->flat[b]) continue;
           hk_strain_between(l, i, a, b, v->slip, &e);
           e.weight *= viscosity_about(g, v, i, a, b);
-          hk_viscous_bodies_add(l, v, &e, factor);
+          hk_viscous_bodies_add(l, &v->bodies, &e, factor);
         }
       }
   }
@@ -246,16 +245,15 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
     if (!v->row[a]) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", g->size);
     memset(v->row[a], 0xff, g->size * sizeof *v->row[a]);
   }
-  hk_status status = hk_viscous_bodies_open(v, l);
+  hk_status status = hk_viscous_bodies_open(&v->bodies, l);
   v->faces = number_faces(l, v, false);
   if (status != HK_OK || v->faces == 0) return status;
-  hk_viscous_bodies_begin(v, l);
-  size_t own = 6 * v->bodies, rows = v->faces + own;
+  hk_viscous_bodies_begin(&v->bodies, l, v->faces);
+  size_t own = 6 * v->bodies.count, rows = v->faces + own;
   status = make_room(v, host, rows, width_of(v) * v->faces + own * own);
   if (status != HK_OK) return status;
   number_faces(l, v, true);
   task t = {l, v, h / l->density};
-  memset(v->b + v->faces, 0, own * sizeof *v->b);
   add_to_bodies(l, v, t.factor);
   host->parallel_for(host, v->faces, GRAIN, fill_rows, &t);
   hk_matrix A = close_up(v);
@@ -263,15 +261,15 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   status = solve(v, host, &A);
   if (status != HK_OK) return status;
   for (size_t r = 0; r < v->faces; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
-  hk_viscous_bodies_end(v, l);
+  hk_viscous_bodies_end(&v->bodies, l, v->x);
   hold_faces(l, v);
   return HK_OK;
 }
 
 void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
-  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start,    v->column,
-                 v->value,  v->b,      v->x,      v->cell, v->body_row, v->among};
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start, v->column, v->value, v->b, v->x, v->cell};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
+  hk_viscous_bodies_close(&v->bodies, host);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);
   memset(v, 0, sizeof *v);

@@ -11,6 +11,7 @@
 #include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/liquid/liquid.h"
+#include "plugins/common/liquid_viscosity/viscous_bodies.h"
 
 enum {
   HK_VISCOUS_ROW = 15,                                            /* faces that share a strain with one, and itself */
@@ -25,12 +26,9 @@ typedef struct hk_liquid_viscosity {
   uint32_t *row[3]; /* of faces: number of the unknown, HK_LIQUID_NONE where there is none */
   uint32_t *face;   /* rows: its place in arrays */
   uint8_t *axis;    /* rows */
-  size_t faces;     /* rows that are those of faces; behind them are six for each of the bodies */
-  size_t bodies;    /* that are wet and free */
-  size_t *body_row; /* of all bodies of the liquid: the first of the six */
-  double *among;    /* 6 bodies x 6 bodies: the equations of their motion */
+  size_t faces;     /* rows that are those of faces */
+  hk_viscous_bodies bodies;
   size_t most, room; /* rows, and numbers of them, that there is memory for */
-  size_t most_bodies;
   size_t *start;    /* rows + 1 */
   uint32_t *column; /* of faces each as many as a row may have, then without gaps */
   double *value;

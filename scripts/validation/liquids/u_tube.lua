@@ -48,7 +48,7 @@ return validation.problem {
   noise = 0.01,
   tolerance = 0.01,
   why = "corners leave 0.5 % of the length, chance in the places of particles 0.3 % of the period",
-  quick = { space = { 10, 15, 20 }, tolerance = 0.05 },
+  quick = { space = { 10, 12, 15 }, tolerance = 0.05 },
   solve = function(at)
     local scene, count, masses = tank.scene { n = at.n, h = step, top = d + 0.1, room = d + 0.2, g = g, duration = 4,
       level = function(x) return d + (x < 0.5 and a or -a) end,
