@@ -38,7 +38,7 @@ typedef struct liquid {
   hk_liquid_pace pace;
   int64_t slot, said;
   uint32_t *index;
-  bool *carried; /* n: those that are the liquid, which obstacles leave to it */
+  bool *carried;           /* n: those that are the liquid, which obstacles leave to it */
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
@@ -167,7 +167,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (isnan(cell)) cell = hk_liquid_default_cell(view, s->index, s->count, s->density, s->low, s->high);
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK && (s->viscosity > 0 || s->viscosity_of))
-    status = hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid), 1e9 * s->memory);
+    status =
+        hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid), 1e9 * s->memory);
   if (status == HK_OK) status = hk_liquid_check_start(m, view, s->index, s->count);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
   if (status == HK_OK && s->viscosity_of)

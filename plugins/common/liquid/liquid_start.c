@@ -21,7 +21,7 @@ hk_status hk_liquid_check_start(const hk_liquid *l, const hk_view *view, const u
             l->host, HK_BAD_PARAM,
             "particle %u is outside the box, at %c = %g m where it goes from %g to %g: move it, take a "
             "larger box, or name those that are the liquid by `particles`",
-            view->model->id[index[k]], "xyz"[c], x[c], g->low[c], g->high[c]);
+            view->model->id[index[k]], "xyz"[c], x[c], g -> low[c], g -> high[c]);
   }
   return HK_OK;
 }

@@ -24,8 +24,8 @@ static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cel
   return count ? sum / count : 1;
 }
 
-/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. The wall is on the way to the
- * face at `beside`, `back` of it from the closed one, and its velocity is that which it has there: with that of the
+/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. The wall is on the way to
+ * the face at `beside`, `back` of it from the closed one, and its velocity is that which it has there: with that of the
  * closed face a drum of 13 cells would have turned its liquid 8 % faster than itself. */
 static void add_wall(const hk_liquid *l, int a, size_t at, size_t beside, double back, double by, hk_strain *e) {
   const hk_liquid_grid *g = &l->grid;

@@ -6,7 +6,8 @@ local validation = require("validation")
 local tank = {}
 
 -- inside(x, y, z): where the liquid is, of [0, 1] x [0, top]; or level(x): how high; velocity(x, z) at the start; `with`: parameters of the
--- corrector; before(scene): adds obstacles; scatter: 0, and particles are on a lattice. Returns the scene, the number of particles and their masses.
+-- corrector; before(scene): adds obstacles; scatter: 0, and particles are on a lattice. Returns the scene, the number of
+-- particles and their masses.
 function tank.scene(t)
   local cell = 1 / t.n
   local scene = hooke.scene { duration = t.duration, fps = validation.fps(t.h), dt = t.h, integrator = "symplectic_euler" }

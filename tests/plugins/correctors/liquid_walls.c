@@ -1,5 +1,5 @@
-/* The corrector liquid and walls that move along themselves, in whole runs: a drum turns its liquid as fast as itself, and
- * obstacles leave the liquid's particles to it. And the memory that a viscosity takes is said before the start. */
+/* The corrector liquid and walls that move along themselves, in whole runs: a drum turns its liquid as fast as itself,
+ * and obstacles leave the liquid's particles to it. And the memory that a viscosity takes is said before the start. */
 #include "tests/support/command.h"
 
 #include <math.h>
@@ -22,7 +22,8 @@ static const char drum[] =
     "local function inside(x, _, z) return (x - 0.5)^2 + (z - 0.5)^2 < R * R end\n"
     "local water = filling.box { low = { 0, 0, 0 }, high = { 1, 0, 1 }, cell = 1 / n, inside = inside }\n"
     "for _, p in ipairs(water.positions) do\n"
-    "  scene:particle { position = p, mass = water.mass, velocity = { -start * (p[3] - 0.5), 0, start * (p[1] - 0.5) } }\n"
+    "  scene:particle { position = p, mass = water.mass, velocity = { -start * (p[3] - 0.5), 0, start * (p[1] - 0.5) } "
+    "}\n"
     "end\n"
     "scene:corrector('obstacle', { shape = 'sphere', size = { 2 * R, 2 * R, 2 * R }, hollow = true,\n"
     "  position = { 0.5, 0, 0.5 }, rotation = function(t) return 0, -t, 0 end })\n"
@@ -44,8 +45,8 @@ static void run(const char *words) {
   test_hooke(&r, NULL, arguments);
 }
 
-/* Within 2 s the liquid has the drum's spin but for exp(-18): 1 % with ten cells across, where walls cut faces. A wall that
- * moved as fast as the faces behind it made it 14 % faster. */
+/* Within 2 s the liquid has the drum's spin but for exp(-18): 1 % with ten cells across, where walls cut faces. A wall
+ * that moved as fast as the faces behind it made it 14 % faster. */
 static void a_drum_turns_its_liquid_as_fast_as_itself(void **state) {
   (void)state;
   run("");

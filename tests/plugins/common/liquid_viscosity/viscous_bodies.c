@@ -23,7 +23,8 @@ static const char ring[] =
     "local water = filling.box { low = { 0, 0, 0 }, high = { 1, 0, 1 }, cell = cell, inside = inside }\n"
     "scene:particles { positions = water.positions, mass = water.mass }\n"
     "local body = scene:rigid { shape = 'cylinder', radius = 0.15, length = cell, density = 2000,\n"
-    "  position = { 0.5, 0, 0.5 }, orientation = { math.pi / 2, 0, 0 }, velocity = { 0.2, 0, 0.1 }, spin = { 0, 1, 0 } }\n"
+    "  position = { 0.5, 0, 0.5 }, orientation = { math.pi / 2, 0, 0 }, velocity = { 0.2, 0, 0.1 }, spin = { 0, 1, 0 } "
+    "}\n"
     "scene:corrector('liquid', { low = { -0.5, 0, -0.5 }, high = { 1.5, 0, 1.5 }, cell = cell,\n"
     "  viscosity = param('mu', 1e4, 'Pa s', {}) })\n"
     "local n = #water.positions\n"
@@ -41,9 +42,9 @@ static void run(const char *words) {
   if (r.code != 0) fail_msg("%s%s", r.out, r.err);
 }
 
-/* In 0.05 s of 10 m^2/s the ring, 0.27 m wide, becomes one with the disc: a thousandth is left of the difference. Of the
- * momentum, 2.356 kg m/s, the first step takes 4 %: faces of the disc cover particles' kernels in a layer of a quarter of
- * a cell. */
+/* In 0.05 s of 10 m^2/s the ring, 0.27 m wide, becomes one with the disc: a thousandth is left of the difference. Of
+ * the momentum, 2.356 kg m/s, the first step takes 4 %: faces of the disc cover particles' kernels in a layer of a
+ * quarter of a cell. */
 static void a_disc_and_its_liquid_come_to_one_motion(void **state) {
   (void)state;
   run("--until 0.05");
