@@ -9,8 +9,8 @@
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles, and
  * bodies that are held, move the liquid, and the liquid does not move them; strands are not felt, and a viscosity does
- * not drag cloth; obstacles thinner than two cells leak; drops of less than half a cell fly freely, without pressure. Its
- * work is not known, so the energy balance of such a run is not either. */
+ * not drag cloth; obstacles thinner than two cells leak; drops of less than half a cell fly freely, without pressure.
+ * Its work is not known, so the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/liquid_start.h"
 #include "plugins/common/liquid/tension.h"
