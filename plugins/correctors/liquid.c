@@ -8,12 +8,13 @@
  * under it and float.
  *
  * The method is of order 1 in time, and of order 2 in space where the liquid is smooth. What it is not: obstacles, and
- * bodies that are held, move the liquid, and the liquid does not move them; strands are not felt; obstacles thinner
- * than two cells leak; drops of less than half a cell fly freely, without pressure. Its work is not known, so the
- * energy balance of such a run is not either. */
+ * bodies that are held, move the liquid, and the liquid does not move them; strands are not felt, and a viscosity does
+ * not drag cloth; obstacles thinner than two cells leak; drops of less than half a cell fly freely, without pressure.
+ * Its work is not known, so the energy balance of such a run is not either. */
 #include "plugins/common/liquid/liquid_pace.h"
+#include "plugins/common/liquid/liquid_start.h"
 #include "plugins/common/liquid/tension.h"
-#include "plugins/common/liquid/liquid_viscosity.h"
+#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
 #include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
 #include "plugins/common/obstacles/obstacles_service.h"
@@ -38,6 +39,7 @@ typedef struct liquid {
   hk_liquid_pace pace;
   int64_t slot, said;
   uint32_t *index;
+  bool *carried;           /* n: those that are the liquid, which obstacles leave to it */
   double (*came)[6];       /* x and v of those as they came, to know whether they change */
   size_t count, obstacles; /* those that were entered before */
   hk_liquid method;
@@ -121,47 +123,16 @@ static bool is_viscous(const liquid *s) { return s->viscosity > 0 || s->viscosit
 
 static hk_status choose(liquid *s, const hk_view *view) {
   s->host->release(s->host, s->index);
+  s->host->release(s->host, s->carried);
   s->host->release(s->host, s->came);
+  s->carried = s->host->allocate(s->host, view->n + 1);
   s->index = s->host->allocate(s->host, (view->n + 1) * sizeof *s->index);
   s->came = s->host->allocate(s->host, (view->n + 1) * sizeof *s->came);
-  if (!s->index || !s->came) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  return hk_carried_find(s->host, view, &s->particles, NULL, s->index, &s->count);
-}
-
-/* m: of cubes or squares with the mean volume of a particle twice the side. */
-static double default_cell(const liquid *s, const hk_view *view) {
-  double mass = 0;
-  for (size_t k = 0; k < s->count; k++) mass += view->model->mass[s->index[k]];
-  double volume = mass / ((double)s->count * s->density);
-  bool plane = s->low[0] == s->high[0] || s->low[1] == s->high[1] || s->low[2] == s->high[2];
-  /* in a plane a cell is as deep as it is wide, and has four particles: volume = cell^3/4 */
-  return plane ? pow(4 * volume, 1.0 / 3) : 2 * pow(volume, 1.0 / 3);
-}
-
-static hk_status check_start(const liquid *s, const hk_view *view) {
-  for (size_t k = 0; k < s->count; k++) {
-    const double *x = view->x + 3 * (size_t)s->index[k];
-    for (int c = 0; c < 3; c++)
-      if (x[c] < s->low[c] || x[c] > s->high[c])
-        return s->host->fail(
-            s->host, HK_BAD_PARAM,
-            "particle %u is outside the box, at %c = %g m where it goes from %g to %g: move it, take a "
-            "larger box, or name those that are the liquid by `particles`",
-            view->model->id[s->index[k]], "xyz"[c], x[c], s -> low[c], s -> high[c]);
-  }
-  return HK_OK;
-}
-
-static void warn_of_births(const liquid *s, const hk_view *view) {
-  for (size_t k = 0; k < s->count; k++)
-    for (int c = 0; c < 3; c++) {
-      double x = view->x[3 * (size_t)s->index[k] + (size_t)c];
-      if (x >= s->low[c] && x <= s->high[c]) continue;
-      s->host->warn(s->host,
-                    "particles of the liquid are born outside its box, and the next step puts them on its faces: "
-                    "emit them inside, or take a larger box");
-      return;
-    }
+  if (!s->index || !s->carried || !s->came)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  hk_status status = hk_carried_find(s->host, view, &s->particles, NULL, s->index, &s->count);
+  for (size_t k = 0; k < s->count && status == HK_OK; k++) s->carried[s->index[k]] = true;
+  return status;
 }
 
 static hk_status open_cloth(liquid *s, const hk_view *view) {
@@ -179,7 +150,7 @@ static hk_status topology(void *self, const hk_view *view) {
   mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   hk_liquid_bodies_topology(&s->method.bodies);
-  if (status == HK_OK) warn_of_births(s, view);
+  if (status == HK_OK) hk_liquid_warn_of_births(&s->method, view, s->index, s->count);
   if (status == HK_OK) status = open_cloth(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
 }
@@ -203,9 +174,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
       (hk_liquid_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
-  double cell = isnan(s->cell) ? default_cell(s, view) : s->cell;
+  double cell = s->cell;
+  if (isnan(cell)) cell = hk_liquid_default_cell(view, s->index, s->count, s->density, s->low, s->high);
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
-  if (status == HK_OK) status = check_start(s, view);
+  if (status == HK_OK && (s->viscosity > 0 || s->viscosity_of))
+    status =
+        hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid), 1e9 * s->memory);
+  if (status == HK_OK) status = hk_liquid_check_start(m, view, s->index, s->count);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
   if (status == HK_OK && s->viscosity_of)
     status = hk_cell_viscosity_open(host, view->model, s->viscosity_of, s->viscosity, m->grid.size, &s->viscosities,
@@ -219,10 +194,11 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (!all) return HK_FAILED;
   m->obstacles = all->set;
   s->obstacles = all->set->count;
+  status = all->carry(all->self, (const bool *const *)&s->carried);
   s->reached = view->t;
   s->drift = NAN;
-  hk_liquid_warn_of_thin(m);
-  return hk_liquid_open(m, host, s->count);
+  if (status == HK_OK) hk_liquid_warn_of_thin(m);
+  return status == HK_OK ? hk_liquid_open(m, host, s->count) : status;
 }
 
 static void destroy(void *self, const hk_host *host) {

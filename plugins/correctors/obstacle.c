@@ -180,7 +180,8 @@ static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const bool *elsewhere = t->self->bodies.features ? t->self->bodies.taken : NULL;
   const hk_model *model = t->view->model;
   for (size_t i = begin; i < end; i++)
-    if (near[i - begin] && model->inverse_mass[i] > 0 && hk_model_touches(model, i) && !(elsewhere && elsewhere[i]))
+    if (near[i - begin] && model->inverse_mass[i] > 0 && hk_model_touches(model, i) && !(elsewhere && elsewhere[i]) &&
+        !hk_obstacle_set_carried(t->self->all->set, i))
       meet(t, i, r);
 }
 

@@ -25,11 +25,20 @@ static hk_status enter(void *self, hk_obstacle *o) {
   return HK_OK;
 }
 
+static hk_status carry(void *self, const bool *const *particles) {
+  obstacles *s = self;
+  if (s->set.carriers == HK_OBSTACLE_CARRIERS)
+    return s->host->fail(s->host, HK_BAD_PARAM, "%d liquids meet obstacles at most: make several of them one",
+                         HK_OBSTACLE_CARRIERS);
+  s->set.carried[s->set.carriers++] = particles;
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacles *s = self;
   (void)view;
   s->host = host;
-  s->table = (hk_obstacles){self, enter, &s->set, show, &s->shown};
+  s->table = (hk_obstacles){self, enter, &s->set, show, &s->shown, carry};
   return HK_OK;
 }
 

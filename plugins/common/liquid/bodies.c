@@ -158,7 +158,10 @@ hk_status hk_liquid_bodies_begin(hk_liquid_bodies *s, const hk_view *view, const
     angular_momentum(b, step->x, step->v, momentum);
     b->free &= invert_inertia(b, step->x_before, b->centre, b->inverse_inertia);
     spin_of(b->inverse_inertia, momentum, b->spin);
-    for (int c = 0; c < 6; c++) impulse[c] = s->h * s->force[6 * i + (size_t)c];
+    for (int c = 0; c < 6; c++) {
+      impulse[c] = s->h * s->force[6 * i + (size_t)c];
+      s->force[6 * i + (size_t)c] = 0;
+    }
     if (b->free) push(b, impulse);
   }
   return status;

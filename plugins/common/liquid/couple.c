@@ -78,9 +78,9 @@ static double beyond_centre(const hk_liquid *l, const hk_moving_wall *w) {
   return fabs(mean) < most ? mean * slope : 0;
 }
 
+/* Those of both projections of a viscous liquid add up; hk_liquid_bodies_begin has taken those of the last step. */
 static void find_forces(hk_liquid *l) {
   double unit = l->density * hk_liquid_cell_volume(&l->grid) / l->bodies.h;
-  for (size_t k = 0; k < 6 * l->bodies.count; k++) l->bodies.force[k] = 0;
   for (size_t k = 0; k < l->pressure.walls.count; k++) {
     const hk_moving_wall *w = &l->pressure.walls.wall[k];
     if (w->body >= l->bodies.count) continue;
@@ -108,6 +108,10 @@ static void move_rows(void *context, size_t begin, size_t end, size_t piece) {
   }
 }
 
+void hk_liquid_move_bodies(hk_liquid *l) {
+  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, move_rows, l);
+}
+
 void hk_liquid_react(hk_liquid *l) {
   hk_moving_walls *walls = &l->pressure.walls;
   if (walls->bodies == 0) return;
@@ -121,5 +125,5 @@ void hk_liquid_react(hk_liquid *l) {
     hk_add_scaled(l->bodies.body[b].spin, 1, walls->body[b].reply + 3);
   }
   find_forces(l);
-  l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, move_rows, l);
+  hk_liquid_move_bodies(l);
 }

@@ -10,6 +10,8 @@
 hk_status hk_liquid_couple(hk_liquid *);
 /* Bodies and their faces get the velocities that the pressure gives them. */
 void hk_liquid_react(hk_liquid *);
+/* The faces that wet bodies cover move as they do. */
+void hk_liquid_move_bodies(hk_liquid *);
 
 /* After hk_liquid_couple: the points of cloth as bodies of the pressure's matrix, behind those of hk_liquid_bodies, and
  * the sides of the faces that it crosses as their walls. The pressure that acts on cloth is that in the centre of the

@@ -55,8 +55,6 @@ typedef struct hk_liquid {
  */
 hk_status hk_liquid_open(hk_liquid *, const hk_host *, size_t most);
 void hk_liquid_close(hk_liquid *);
-/* In `create`: of solids between whose sides the grid cannot have a cell that is closed. */
-void hk_liquid_warn_of_thin(const hk_liquid *);
 
 /* The particles by cells. */
 void hk_liquid_sort(hk_liquid *, const hk_liquid_particles *);
@@ -71,6 +69,8 @@ void hk_liquid_find_surface(hk_liquid *);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);
+/* m/s, along axis c, of the obstacle that is nearest to x, there; 0: a body is, or there is none. */
+double hk_liquid_obstacle_speed(const hk_liquid *, const double x[3], int c);
 /* Makes the velocities free of divergence: the pressure is zero on the surface, placed between centres as by Enright,
  * Nguyen, Gibou, Fedkiw 2003 (order 2), walls cover parts of faces as by Ng, Min, Gibou 2009. guess: size, the pressure
  * by the density times the step, m^2/s, of the last step, which becomes that of this one. HK_NOT_CONVERGED: with a

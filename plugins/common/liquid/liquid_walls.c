@@ -124,20 +124,23 @@ static uint16_t owner_of(const hk_liquid *l, size_t i, int c) {
   return l->bodies.beside[deepest];
 }
 
-/* m/s, of the solid that covers a part of the face. */
-static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
-  uint16_t owner = l->bodies.count ? l->bodies.owner[c][i] : 0;
-  nearest_solid nearest;
-  double x[3], u[3];
+double hk_liquid_obstacle_speed(const hk_liquid *l, const double x[3], int c) {
   static const double rest[3];
-  point_of(&l->grid, row, i, c, x);
-  if (owner) {
-    hk_liquid_body_velocity(&l->bodies.body[owner - 1], x, u);
-    return u[c];
-  }
+  nearest_solid nearest;
+  double u[3];
   distance_at(l, x, &nearest);
   if (!nearest.obstacle) return 0;
   hk_body_move(&nearest.obstacle->motion.end, x, rest, u);
+  return u[c];
+}
+
+/* m/s, of the solid that covers a part of the face. */
+static double wall_speed(const hk_liquid *l, const hk_liquid_row *row, size_t i, int c) {
+  uint16_t owner = l->bodies.count ? l->bodies.owner[c][i] : 0;
+  double x[3], u[3];
+  point_of(&l->grid, row, i, c, x);
+  if (!owner) return hk_liquid_obstacle_speed(l, x, c);
+  hk_liquid_body_velocity(&l->bodies.body[owner - 1], x, u);
   return u[c];
 }
 
@@ -225,19 +228,4 @@ void hk_liquid_walls(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, face_rows, l);
   find_room(l);
   close_thin_walls(l);
-}
-
-void hk_liquid_warn_of_thin(const hk_liquid *l) {
-  double cell = fmax(l->grid.spacing[0], fmax(l->grid.spacing[1], l->grid.spacing[2]));
-  for (size_t k = 0; k < l->obstacles->count; k++) {
-    const hk_shape *shape = &l->obstacles->member[k]->shape;
-    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
-    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
-    if (least < 2 * cell)
-      l->host->warn(
-          l->host,
-          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
-          "two of them; take smaller ones or a thicker obstacle",
-          k + 1, least, cell);
-  }
 }

@@ -99,6 +99,16 @@ hk_status hk_liquid_grid_open(hk_liquid_grid *g, const hk_host *host, const doub
                     g->cells[1], g->cells[2]);
 }
 
+hk_status hk_liquid_grid_check(const hk_liquid_grid *g, const hk_host *host, const char *what, double more,
+                               double most) {
+  double bytes = hk_liquid_bytes((const double[]){(double)g->cells[0], (double)g->cells[1], (double)g->cells[2]});
+  if (bytes + more <= most) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM,
+                    "cell: a grid of %zu x %zu x %zu cells takes %.3g GB, and %s up to %.3g more, and `memory` allows "
+                    "%.3g: take larger cells or a smaller box, or allow more",
+                    g->cells[0], g->cells[1], g->cells[2], bytes / 1e9, what, more / 1e9, most / 1e9);
+}
+
 void hk_liquid_grid_free(hk_liquid_grid *g, const hk_host *host) {
   double **list[ARRAYS];
   arrays_of(g, list);

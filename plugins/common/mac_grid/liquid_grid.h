@@ -41,6 +41,8 @@ hk_status hk_liquid_grid_open(hk_liquid_grid *, const hk_host *, const double lo
 /* The same without the arrays, for whoever has their own in that layout. */
 hk_status hk_liquid_grid_lay(hk_liquid_grid *, const hk_host *, const double low[3], const double high[3], double cell,
                              double most);
+/* HK_BAD_PARAM, with a message: with `more` bytes for what else the liquid needs it is more than `most`. */
+hk_status hk_liquid_grid_check(const hk_liquid_grid *, const hk_host *, const char *what, double more, double most);
 void hk_liquid_grid_free(hk_liquid_grid *, const hk_host *);
 
 /* m^3 */

@@ -17,7 +17,7 @@
 #include "plugins/common/obstacles/motion.h"
 #include "plugins/common/obstacles/shape.h"
 
-enum { HK_OBSTACLES = 64 }; /* at most, in a set */
+enum { HK_OBSTACLES = 64, HK_OBSTACLE_CARRIERS = 8 }; /* at most, in a set */
 
 typedef struct hk_obstacle {
   hk_shape shape;
@@ -34,7 +34,15 @@ typedef struct hk_obstacle {
 typedef struct hk_obstacle_set {
   size_t count;
   hk_obstacle *member[HK_OBSTACLES];
+  size_t carriers;
+  const bool *const *carried[HK_OBSTACLE_CARRIERS]; /* particles that others keep out of all obstacles: no impacts */
 } hk_obstacle_set;
+
+static inline bool hk_obstacle_set_carried(const hk_obstacle_set *s, size_t particle) {
+  for (size_t k = 0; k < s->carriers; k++)
+    if (*s->carried[k] && (*s->carried[k])[particle]) return true;
+  return false;
+}
 
 typedef struct hk_obstacle_step {
   size_t i;

@@ -18,6 +18,10 @@ typedef struct hk_obstacles {
    * it is at the end of the last step. It stays the caller's and valid as long as the run. */
   void (*show)(void *self, hk_obstacle *);
   const hk_obstacle_set *shown; /* all that were entered or shown; complete when outputs are opened */
+  /* Called in `create` by what moves particles along obstacles and keeps them out by itself, as a liquid does: impacts
+   * would change and take back steps in vain. particles: an array of the caller's, n long, which it may replace in
+   * `topology`. HK_BAD_PARAM: there are too many. */
+  hk_status (*carry)(void *self, const bool *const *particles);
 } hk_obstacles;
 
 #endif

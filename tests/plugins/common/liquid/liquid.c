@@ -242,7 +242,7 @@ static void planes_cut_faces_exactly(void **state) {
   fixture *f = open_fixture(1, 1, 0.25);
   hk_liquid_grid *g = &f->l.grid;
   hk_obstacle plane = {.shape = {.kind = HK_SHAPE_PLANE, .normal = {0.6, 0, 0.8}}};
-  hk_obstacle_set set = {1, {&plane}};
+  hk_obstacle_set set = {.count = 1, .member = {&plane}};
   hk_pose history[HK_POSES];
   const hk_pose pose = {0, {0.5, 0.5, 0.5}, {0, 0, 0}};
   hk_motion_begin(history, &pose);
@@ -271,7 +271,7 @@ static void walls_on_the_box_change_nothing(void **state) {
   static const double normal[5][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
   hk_obstacle plane[5];
   memset(plane, 0, sizeof plane);
-  hk_obstacle_set set = {5, {&plane[0], &plane[1], &plane[2], &plane[3], &plane[4]}};
+  hk_obstacle_set set = {.count = 5, .member = {&plane[0], &plane[1], &plane[2], &plane[3], &plane[4]}};
   double *open[3], *room = calloc(g->size, sizeof *room);
   hk_liquid_walls(&f->l);
   memcpy(room, g->room, g->size * sizeof *room);

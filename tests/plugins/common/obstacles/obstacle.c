@@ -24,7 +24,7 @@ static void stand(hk_obstacle *o) {
 static void slide(double sink, double pull, double x[3], double v[3]) {
   hk_obstacle floor_;
   stand(&floor_);
-  hk_obstacle_set set = {1, {&floor_}};
+  hk_obstacle_set set = {.count = 1, .member = {&floor_}};
   const double from[3] = {0}, speed[3] = {2, 0, 0};
   x[0] = h * (2 + h / 2 * pull * sink), x[1] = 0, x[2] = -g * h * h / 2 * sink;
   v[0] = 2 + h * pull, v[1] = 0, v[2] = -g * h;

@@ -184,7 +184,7 @@ static void frames_draw_obstacles_where_they_are(void **state) {
   world_open(&w, 1);
   w.x[0] = 100; /* out of the picture */
   hk_obstacle o = capsule_at(0, true);
-  set = (hk_obstacle_set){1, {&o}};
+  set = (hk_obstacle_set){.count = 1, .member = {&o}};
   w.f.host.query = serve_obstacles;
   look_along_y(&w, 0);
   assert_int_equal(begin(&w), HK_OK);

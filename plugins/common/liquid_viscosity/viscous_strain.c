@@ -1,4 +1,4 @@
-#include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/liquid_viscosity/viscous_strain.h"
 
 static const double nearest_wall = 0.1; /* of the way to the next face: a wall is no nearer */
 
@@ -24,26 +24,28 @@ static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cel
   return count ? sum / count : 1;
 }
 
-double hk_liquid_part_of_face(const hk_liquid *l, size_t i, int a) {
+/* Face `at` of component a is closed: what it adds is known, but for the motion of a body. The wall is on the way to
+ * the face at `beside`, `back` of it from the closed one, and its velocity is that which it has there: with that of the
+ * closed face a drum of 13 cells would have turned its liquid 8 % faster than itself. */
+static void add_wall(const hk_liquid *l, int a, size_t at, size_t beside, double back, double by, hk_strain *e) {
   const hk_liquid_grid *g = &l->grid;
-  return part_of(mean_distance(g, (size_t[]){i, i - g->stride[a]}, 2));
-}
-
-void hk_strain_along(const hk_liquid *l, size_t i, int a, hk_strain *e) {
-  const hk_liquid_grid *g = &l->grid;
-  double unit = 1 / g->spacing[a];
-  *e = (hk_strain){.weight = 2 * part_of(g->distance[i])};
-  for (int k = 0; k < 2; k++) {
-    size_t at = k ? i + g->stride[a] : i;
-    double by = k ? unit : -unit;
-    if (!(g->open[a][at] > 0)) {
-      e->walls += by * g->wall[a][at];
-      continue;
-    }
-    e->axis[e->count] = a;
-    e->at[e->count] = at;
-    e->by[e->count++] = by;
+  const hk_liquid_bodies *bodies = &l->bodies;
+  uint16_t owner = bodies->count ? bodies->owner[a][at] : 0;
+  double *x = e->covered_at[e->covered], open[3], u[3];
+  hk_liquid_face_place(g, at, a, x);
+  hk_liquid_face_place(g, beside, a, open);
+  for (int c = 0; c < 3; c++) x[c] += back * (open[c] - x[c]);
+  if (owner) {
+    hk_liquid_body_velocity(&bodies->body[owner - 1], x, u);
+    e->walls += by * u[a];
+  } else {
+    bool moves = back > 0 && !l->stood && in_box(g, at) && !hk_thin_walls_at(&l->thin, a, at);
+    e->walls += by * (moves ? hk_liquid_obstacle_speed(l, x, a) : g->wall[a][at]);
   }
+  if (owner == 0 || !bodies->body[owner - 1].free || !bodies->body[owner - 1].wet) return;
+  e->body[e->covered] = (uint16_t)(owner - 1);
+  e->covered_axis[e->covered] = a;
+  e->covered_by[e->covered++] = by;
 }
 
 /* m, from the centre of a face of component a to the nearest obstacle: the mean of its corners. */
@@ -51,6 +53,33 @@ static double to_obstacle(const hk_liquid_grid *g, size_t i, int a) {
   int b = a == 0 ? 1 : 0, c = 3 - a - b;
   size_t s = g->flat[b] ? 0 : g->stride[b], t = g->flat[c] ? 0 : g->stride[c];
   return (g->solid[i] + g->solid[i + s] + g->solid[i + t] + g->solid[i + s + t]) / 4;
+}
+
+bool hk_viscous_face_held(const hk_liquid *l, size_t i, int a, bool slip) {
+  double open = l->grid.open[a][i];
+  return !(open > 0) || (!slip && open < 1 && to_obstacle(&l->grid, i, a) < 0);
+}
+
+double hk_liquid_part_of_face(const hk_liquid *l, size_t i, int a) {
+  const hk_liquid_grid *g = &l->grid;
+  return part_of(mean_distance(g, (size_t[]){i, i - g->stride[a]}, 2));
+}
+
+void hk_strain_along(const hk_liquid *l, size_t i, int a, bool slip, hk_strain *e) {
+  const hk_liquid_grid *g = &l->grid;
+  double unit = 1 / g->spacing[a];
+  *e = (hk_strain){.weight = 2 * part_of(g->distance[i])};
+  for (int k = 0; k < 2; k++) {
+    size_t at = k ? i + g->stride[a] : i;
+    double by = k ? unit : -unit;
+    if (hk_viscous_face_held(l, at, a, slip)) {
+      add_wall(l, a, at, at, 0, by, e);
+      continue;
+    }
+    e->axis[e->count] = a;
+    e->at[e->count] = at;
+    e->by[e->count++] = by;
+  }
 }
 
 /* Where the wall is between the centre of an open face and that of one which is not, by their distance: the box is in
@@ -65,16 +94,16 @@ static double part_to_wall(const hk_liquid *l, int a, size_t open, size_t closed
 
 /* Adds the difference of component a across the edge, by the spacing. Returns the part of the way that is liquid: less
  * than 1 where it ends at a wall, whose velocity is then counted in. */
-static double add_difference(const hk_liquid *l, int a, size_t below, size_t above, double unit, hk_strain *e) {
-  const hk_liquid_grid *g = &l->grid;
+static double add_difference(const hk_liquid *l, int a, size_t below, size_t above, double unit, bool slip,
+                             hk_strain *e) {
   const size_t at[2] = {below, above};
-  const bool open[2] = {g->open[a][below] > 0, g->open[a][above] > 0};
+  const bool open[2] = {!hk_viscous_face_held(l, below, a, slip), !hk_viscous_face_held(l, above, a, slip)};
   double part = 1;
   if (open[0] != open[1]) part = part_to_wall(l, a, open[0] ? below : above, open[0] ? above : below);
   for (int k = 0; k < 2; k++) {
     double by = (k ? unit : -unit) / part;
     if (!open[k]) {
-      e->walls += by * g->wall[a][at[k]];
+      add_wall(l, a, at[k], at[1 - k], 1 - part, by, e);
       continue;
     }
     e->axis[e->count] = a;
@@ -88,7 +117,7 @@ void hk_strain_between(const hk_liquid *l, size_t i, int a, int b, bool slip, hk
   const hk_liquid_grid *g = &l->grid;
   size_t s = g->stride[a], t = g->stride[b];
   *e = (hk_strain){.weight = part_of(mean_distance(g, (size_t[]){i, i - s, i - t, i - s - t}, 4))};
-  double first = add_difference(l, a, i - t, i, 1 / g->spacing[b], e);
-  double second = add_difference(l, b, i - s, i, 1 / g->spacing[a], e);
+  double first = add_difference(l, a, i - t, i, 1 / g->spacing[b], slip, e);
+  double second = add_difference(l, b, i - s, i, 1 / g->spacing[a], slip, e);
   e->weight *= slip && fmin(first, second) < 1 ? 0 : fmin(first, second);
 }

@@ -1,6 +1,5 @@
 /* The equations of a liquid's viscosity, face by face, and their solution by conjugate gradients. */
-#include "plugins/common/liquid/liquid_viscosity.h"
-#include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
 
 #include <string.h>
@@ -8,6 +7,12 @@
 enum { GRAIN = 1024 };
 
 typedef void (*strain_visitor)(void *context, const hk_strain *e);
+
+/* Numbers that a face's row may have. */
+static size_t width_of(const hk_liquid_viscosity *v) {
+  size_t bodies = v->bodies.count < HK_VISCOUS_ROW - 1 ? v->bodies.count : HK_VISCOUS_ROW - 1;
+  return HK_VISCOUS_ROW + 6 * bodies;
+}
 
 /* Pa s, of the strain along an axis in cell i; of that between axes a and b at its lowest corner of both. */
 static double viscosity_in(const hk_liquid_viscosity *v, size_t i) {
@@ -29,7 +34,7 @@ static void visit_strains(const hk_liquid *l, const hk_liquid_viscosity *v, int 
   hk_strain e;
   for (int k = 0; k < 2; k++) {
     size_t cell = k ? i - g->stride[a] : i;
-    hk_strain_along(l, cell, a, &e);
+    hk_strain_along(l, cell, a, v->slip, &e);
     e.weight *= viscosity_in(v, cell);
     each(to, &e);
   }
@@ -46,22 +51,33 @@ static void add_weight(void *context, const hk_strain *e) { *(double *)context +
 
 /* ---- which faces ---- */
 
-static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t rows) {
-  if (rows <= v->most) return HK_OK;
+static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t rows, size_t numbers) {
+  if (rows <= v->most && numbers <= v->room) return HK_OK;
   void *old[] = {v->face, v->axis, v->start, v->column, v->value, v->b, v->x};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
-  v->most = 0;
+  v->most = v->room = 0;
   v->face = host->allocate(host, rows * sizeof *v->face);
   v->axis = host->allocate(host, rows);
   v->start = host->allocate(host, (rows + 1) * sizeof *v->start);
-  v->column = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->column);
-  v->value = host->allocate(host, HK_VISCOUS_ROW * rows * sizeof *v->value);
+  v->column = host->allocate(host, numbers * sizeof *v->column);
+  v->value = host->allocate(host, numbers * sizeof *v->value);
   v->b = host->allocate(host, rows * sizeof *v->b);
   v->x = host->allocate(host, rows * sizeof *v->x);
   if (!v->face || !v->axis || !v->start || !v->column || !v->value || !v->b || !v->x)
     return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu faces: take larger cells", rows);
   v->most = rows;
+  v->room = numbers;
   return HK_OK;
+}
+
+/* Of a row: its equation of 15 numbers, as it is, by its upper half for products, and of that the incomplete factors;
+ * right-hand side, solution and vectors of the iteration. Three numbers of rows in a cell. */
+static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8, bytes_of_cell = 3 * 4 + 8;
+
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
+  double cells = (double)g->cells[0] * (double)g->cells[1] * (double)g->cells[2];
+  int axes = !g->flat[0] + !g->flat[1] + !g->flat[2];
+  return axes * cells * bytes_of_row + (double)g->size * bytes_of_cell;
 }
 
 /* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. */
@@ -73,8 +89,9 @@ static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list
       size_t first = hk_liquid_row_at(g, k, 0).first;
       for (size_t i = first; i < first + length; i++) {
         if (!list) {
-          double weight = g->open[a][i] > 0 ? hk_liquid_part_of_face(l, i, a) : 0;
-          if (g->open[a][i] > 0 && !(weight > 0)) visit_strains(l, v, a, i, add_weight, &weight);
+          bool held = hk_viscous_face_held(l, i, a, v->slip);
+          double weight = held ? 0 : hk_liquid_part_of_face(l, i, a);
+          if (!held && !(weight > 0)) visit_strains(l, v, a, i, add_weight, &weight);
           v->row[a][i] = weight > 0 ? (uint32_t)count : HK_LIQUID_NONE;
         } else if (v->row[a][i] != HK_LIQUID_NONE) {
           v->face[count] = (uint32_t)i;
@@ -95,8 +112,8 @@ typedef struct equation {
   int axis, count;
   double factor; /* h/density, s m^3/kg: by the viscosity an area, m^2 */
   double b;
-  uint32_t column[HK_VISCOUS_ROW];
-  double value[HK_VISCOUS_ROW];
+  uint32_t column[HK_VISCOUS_MOST];
+  double value[HK_VISCOUS_MOST];
 } equation;
 
 static void add_to(equation *q, uint32_t column, double value) {
@@ -113,14 +130,17 @@ static void add_to(equation *q, uint32_t column, double value) {
 /* What the strain's energy says of the face: its derivative, by that of the face's mass. */
 static void add_strain(void *context, const hk_strain *e) {
   equation *q = context;
-  double own = 0, strain = e->walls;
+  double own = 0;
   if (!(e->weight > 0)) return;
-  for (int k = 0; k < e->count; k++) {
+  for (int k = 0; k < e->count; k++)
     if (e->axis[k] == q->axis && e->at[k] == q->face) own = q->factor * e->weight * e->by[k];
-    strain += e->by[k] * q->l->grid.u[e->axis[k]][e->at[k]];
-  }
-  q->b -= own * strain;
+  q->b -= own * hk_strain_now(&q->l->grid, e);
   for (int k = 0; k < e->count; k++) add_to(q, q->v->row[e->axis[k]][e->at[k]], own * e->by[k]);
+  for (int k = 0; k < e->covered; k++) {
+    double by[6];
+    hk_strain_by_body(q->l, e, k, by);
+    for (size_t c = 0; c < 6; c++) add_to(q, (uint32_t)(q->v->bodies.row[e->body[k]] + c), own * by[c]);
+  }
 }
 
 typedef struct task {
@@ -131,29 +151,55 @@ typedef struct task {
 
 static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
+  size_t width = width_of(t->v);
   (void)piece;
   for (size_t r = begin; r < end; r++) {
-    equation q = {.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
+    equation q;
+    q = (equation){.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
     add_to(&q, (uint32_t)r, hk_liquid_part_of_face(t->l, q.face, q.axis));
     visit_strains(t->l, t->v, q.axis, q.face, add_strain, &q);
-    memcpy(t->v->column + HK_VISCOUS_ROW * r, q.column, sizeof q.column);
-    memcpy(t->v->value + HK_VISCOUS_ROW * r, q.value, sizeof q.value);
+    memcpy(t->v->column + width * r, q.column, width * sizeof *q.column);
+    memcpy(t->v->value + width * r, q.value, width * sizeof *q.value);
     t->v->start[r + 1] = (size_t)q.count;
     t->v->b[r] = q.b;
   }
 }
 
 /* Rows one behind the other. */
-static hk_matrix close_up(hk_liquid_viscosity *v, size_t rows) {
+static hk_matrix close_up(hk_liquid_viscosity *v) {
+  size_t rows = v->faces + 6 * v->bodies.count;
   v->start[0] = 0;
-  for (size_t r = 0; r < rows; r++) {
+  for (size_t r = 0; r < v->faces; r++) {
     size_t count = v->start[r + 1], to = v->start[r];
-    memmove(v->column + to, v->column + HK_VISCOUS_ROW * r, count * sizeof *v->column);
-    memmove(v->value + to, v->value + HK_VISCOUS_ROW * r, count * sizeof *v->value);
+    memmove(v->column + to, v->column + width_of(v) * r, count * sizeof *v->column);
+    memmove(v->value + to, v->value + width_of(v) * r, count * sizeof *v->value);
     v->start[r + 1] = to + count;
   }
+  hk_viscous_bodies_close_up(&v->bodies, v->start, v->column, v->value, v->b);
   return (hk_matrix){
       .rows = rows, .block = 1, .row_start = v->start, .column = v->column, .value = v->value, .symmetric = true};
+}
+
+/* Those of the bodies: every strain that one of them is part of, once. */
+static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double factor) {
+  const hk_liquid_grid *g = &l->grid;
+  for (size_t k = 0; k < hk_liquid_rows(g, 1) && v->bodies.count; k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
+    for (size_t i = row.first; i <= row.first + g->cells[hk_liquid_inner(g)]; i++)
+      for (int a = 0; a < 3; a++) {
+        hk_strain e;
+        if (g->flat[a] || !hk_viscous_bodies_near(l, i)) continue;
+        hk_strain_along(l, i, a, v->slip, &e);
+        e.weight *= viscosity_in(v, i);
+        hk_viscous_bodies_add(l, &v->bodies, &e, factor);
+        for (int b = a + 1; b < 3; b++) {
+          if (g->flat[b]) continue;
+          hk_strain_between(l, i, a, b, v->slip, &e);
+          e.weight *= viscosity_about(g, v, i, a, b);
+          hk_viscous_bodies_add(l, &v->bodies, &e, factor);
+        }
+      }
+  }
 }
 
 /* ---- the solution ---- */
@@ -179,6 +225,18 @@ static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_mat
   return hk_gradients_solve(&v->gradients, host, &system, v->b, v->x, NULL);
 }
 
+/* Faces that are open in part and have their centre in a solid move as it does. */
+static void hold_faces(hk_liquid *l, const hk_liquid_viscosity *v) {
+  hk_liquid_grid *g = &l->grid;
+  size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
+  for (size_t k = 0; k < rows && !v->slip; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++)
+      for (int a = 0; a < 3; a++)
+        if (g->open[a][i] > 0 && hk_viscous_face_held(l, i, a, false)) g->u[a][i] = g->wall[a][i];
+  }
+}
+
 hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   const hk_host *host = l->host;
   hk_liquid_grid *g = &l->grid;
@@ -187,17 +245,25 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
     if (!v->row[a]) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", g->size);
     memset(v->row[a], 0xff, g->size * sizeof *v->row[a]);
   }
-  size_t rows = number_faces(l, v, false);
-  hk_status status = rows ? make_room(v, host, rows) : HK_OK;
-  if (status != HK_OK || rows == 0) return status;
+  hk_status status = hk_viscous_bodies_open(&v->bodies, l);
+  v->faces = number_faces(l, v, false);
+  if (status != HK_OK || v->faces == 0) return status;
+  hk_viscous_bodies_begin(&v->bodies, l, v->faces);
+  size_t own = 6 * v->bodies.count, rows = v->faces + own;
+  status = make_room(v, host, rows, width_of(v) * v->faces + own * own);
+  if (status != HK_OK) return status;
   number_faces(l, v, true);
   task t = {l, v, h / l->density};
-  host->parallel_for(host, rows, GRAIN, fill_rows, &t);
-  hk_matrix A = close_up(v, rows);
+  add_to_bodies(l, v, t.factor);
+  host->parallel_for(host, v->faces, GRAIN, fill_rows, &t);
+  hk_matrix A = close_up(v);
   memset(v->x, 0, rows * sizeof *v->x);
   status = solve(v, host, &A);
-  for (size_t r = 0; r < rows && status == HK_OK; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
-  return status;
+  if (status != HK_OK) return status;
+  for (size_t r = 0; r < v->faces; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
+  hk_viscous_bodies_end(&v->bodies, l, v->x);
+  hold_faces(l, v);
+  return HK_OK;
 }
 
 /* ---- what it takes ---- */
@@ -212,8 +278,7 @@ static double share(const hk_liquid *l, double power, const size_t *cell, int ce
 }
 
 static double power_of(const hk_liquid *l, const hk_strain *e, double viscosity) {
-  double strain = e->walls;
-  for (int k = 0; k < e->count; k++) strain += e->by[k] * l->grid.u[e->axis[k]][e->at[k]];
+  double strain = hk_strain_now(&l->grid, e);
   return e->weight > 0 ? viscosity * e->weight * hk_liquid_cell_volume(&l->grid) * strain * strain : 0;
 }
 
@@ -225,7 +290,7 @@ static double add_power(const hk_liquid *l, const hk_liquid_viscosity *v, size_t
   for (int a = 0; a < 3; a++) {
     if (g->flat[a]) continue;
     if (within) {
-      hk_strain_along(l, i, a, &e);
+      hk_strain_along(l, i, a, v->slip, &e);
       left += share(l, power_of(l, &e, viscosity_in(v, i)), &i, 1, v->power);
     }
     for (int b = a + 1; b < 3; b++) {
@@ -272,6 +337,7 @@ void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
   void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start,
                  v->column, v->value,  v->b,      v->x,    v->cell, v->power};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
+  hk_viscous_bodies_close(&v->bodies, host);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);
   memset(v, 0, sizeof *v);

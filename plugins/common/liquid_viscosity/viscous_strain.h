@@ -14,10 +14,18 @@ typedef struct hk_strain {
   double by[4]; /* 1/m */
   double walls; /* 1/s */
   double weight;
+  int covered; /* those of the faces that count for `walls` which bodies cover that the liquid moves */
+  uint16_t body[4];
+  int covered_axis[4];
+  double covered_at[4][3]; /* m, where the wall is */
+  double covered_by[4];    /* 1/m */
 } hk_strain;
 
+/* Whether the velocity of face i of component a is that of the wall: it is closed, or, where walls hold the liquid
+ * back, its centre is in a solid. */
+bool hk_viscous_face_held(const hk_liquid *, size_t i, int a, bool slip);
 /* That along axis a in cell i; that between the axes a and b at the edge that is the cell's lowest corner of both. */
-void hk_strain_along(const hk_liquid *, size_t i, int a, hk_strain *);
+void hk_strain_along(const hk_liquid *, size_t i, int a, bool slip, hk_strain *);
 void hk_strain_between(const hk_liquid *, size_t i, int a, int b, bool slip, hk_strain *);
 /* The part of the volume about a face that is liquid, 0 to 1. */
 double hk_liquid_part_of_face(const hk_liquid *, size_t i, int a);

@@ -3,15 +3,20 @@
  *     sum over faces of rho V |u - u*|^2 / 2 + h sum over cells and edges of mu V (2 e_aa^2 or g_ab^2) / 2
  * least, with the strains e_aa = d u_a/d a in cells and g_ab = d u_a/d b + d u_b/d a at edges, and V the liquid's parts
  * of their volumes. So nothing pulls at the free surface, a liquid that turns as a rigid body keeps doing so, momentum
- * is kept where no wall takes it, and any viscosity is stable. Order 1 in time, 2 in space. */
+ * is kept where no wall takes it, and any viscosity is stable. Order 1 in time, 2 in space. Rigid bodies that the
+ * liquid moves are unknowns beside the faces (viscous_bodies.h): it drags them, and they drag it. */
 #ifndef HK_LIQUID_VISCOSITY_H
 #define HK_LIQUID_VISCOSITY_H
 
 #include "plugins/common/gradients/conjugate_gradients.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/liquid/liquid.h"
+#include "plugins/common/liquid_viscosity/viscous_bodies.h"
 
-enum { HK_VISCOUS_ROW = 15 }; /* faces that share a strain with one, and itself */
+enum {
+  HK_VISCOUS_ROW = 15,                                        /* faces that share a strain with one, and itself */
+  HK_VISCOUS_MOST = HK_VISCOUS_ROW + 6 * (HK_VISCOUS_ROW - 1) /* if a body of its own covered each of the others */
+};
 
 typedef struct hk_liquid_viscosity {
   double viscosity; /* Pa s; where `cell` has none */
@@ -21,16 +26,20 @@ typedef struct hk_liquid_viscosity {
   uint32_t *row[3]; /* of faces: number of the unknown, HK_LIQUID_NONE where there is none */
   uint32_t *face;   /* rows: its place in arrays */
   uint8_t *axis;    /* rows */
-  size_t most;      /* rows that there is memory for */
-  size_t *start;    /* rows + 1 */
-  uint32_t *column; /* rows x HK_VISCOUS_ROW, then without gaps */
+  size_t faces;     /* rows that are those of faces */
+  hk_viscous_bodies bodies;
+  size_t most, room; /* rows, and numbers of them, that there is memory for */
+  size_t *start;     /* rows + 1 */
+  uint32_t *column;  /* of faces each as many as a row may have, then without gaps */
   double *value;
   double *power; /* size, W, of dissipation; NULL: nobody asked for it */
-  double *b, *x; /* rows: what the strains of u* ask for; the change of the velocity, m/s */
+  double *b, *x; /* rows: what the strains of u* ask for; the change of the velocity, m/s and rad/s */
   hk_gradients gradients;
   hk_incomplete factors;
 } hk_liquid_viscosity;
 
+/* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. */
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *);
 /* Applies it to the velocities for a step of h, s; after hk_liquid_walls and hk_liquid_find_surface, and between two
  * projections: what is to be sheared has no divergence, and what comes of it has little. HK_NO_MEMORY,
  * HK_NOT_CONVERGED: with a message. */

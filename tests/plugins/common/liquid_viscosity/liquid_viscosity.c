@@ -1,7 +1,7 @@
 /* Viscosity on a liquid's grid: a vortex decays at its rate, flow between plates starts as the series say, what turns
  * as a rigid body is left alone, momentum is kept, and any viscosity is stable. */
-#include "plugins/common/liquid/liquid_viscosity.h"
-#include "plugins/common/liquid/viscous_strain.h"
+#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
+#include "plugins/common/liquid_viscosity/viscous_strain.h"
 #include "tests/support/solver_matrix.h"
 
 #include <setjmp.h>

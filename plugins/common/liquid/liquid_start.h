@@ -1,0 +1,17 @@
+/* What is asked of a liquid before it starts: the size of its cells, and whether what is there suits them. */
+#ifndef HK_LIQUID_START_H
+#define HK_LIQUID_START_H
+
+#include "plugins/common/liquid/liquid.h"
+
+/* m: of cubes or squares with the mean volume of a particle twice the side. */
+double hk_liquid_default_cell(const hk_view *, const uint32_t *index, size_t count, double density, const double low[3],
+                              const double high[3]);
+/* HK_BAD_PARAM, with a message: a particle is outside the box. */
+hk_status hk_liquid_check_start(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
+/* Of particles that are born outside of it. */
+void hk_liquid_warn_of_births(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
+/* Of solids between whose sides the grid cannot have a cell that is closed, with their thickness. */
+void hk_liquid_warn_of_thin(const hk_liquid *);
+
+#endif
