@@ -286,6 +286,66 @@ static int adjoint(lua_State *L) {
   return status == HK_OK ? 1 : refuse(L, &r->error);
 }
 
+/* ---- of an integral ---- */
+
+/* The part of the time to which the trapezium rule gives the frame at t, s. */
+static double weight_at(const record *r, double t) {
+  double fps = r->run->scene->fps, end = r->run->state.t, near = 1e-6;
+  double before = t > 0 ? t - (ceil(t * fps - near) - 1) / fps : 0;
+  double after = t < end ? fmin((floor(t * fps + near) + 1) / fps, end) - t : 0;
+  return (before + after) / 2;
+}
+
+static hk_status measure_moved(record *r, double t, const double *X, size_t e, double by, double *value) {
+  double *shown = moved(r, X, NULL, 0);
+  shown[e] += by;
+  return measure_at(r, r->run, t, shown, value);
+}
+
+/* hk_adjoint_source: what the frame at t adds to the integral of the measure, by its state and by functions of time. */
+static hk_status add_frame(void *context, double t, const double *X, double *L) {
+  record *r = context;
+  size_t v = 3 * r->steps->n;
+  double by[2] = {part * size_of(X, v, true), part * size_of(X + v, v, false)}, weight = weight_at(r, t);
+  hk_status status = HK_OK;
+  if (!is_frame(r, t)) return HK_OK;
+  for (size_t e = 0; e < 2 * v && status == HK_OK; e++) {
+    double more, less = 0, step = by[e >= v];
+    status = measure_moved(r, t, X, e, step, &more);
+    if (status == HK_OK) status = measure_moved(r, t, X, e, -step, &less);
+    L[e] += weight * (more - less) / (2 * step);
+  }
+  for (size_t j = 0; j < r->count && status == HK_OK; j++) {
+    double direct;
+    status = differ(r, j, t, X, NULL, &direct);
+    if (status == HK_OK) hk_knots_note(&r->knots[j], t, weight * direct);
+  }
+  return status;
+}
+
+/* record:integral(measure) -> the lists of the derivatives of the measure's integral over the frames, by the trapezium
+ * rule, by the values of each function of time; or nil and a reason. */
+static int integral(lua_State *L) {
+  record *r = record_at(L);
+  double slope[MOST];
+  r->measure = measure_named(L, r, 2);
+  hk_error_clear(&r->error);
+  for (size_t j = 0; j < r->count; j++) luaL_argcheck(L, r->by[j].knots, 1, "functions of time alone");
+  double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);
+  memset(X, 0, 6 * r->steps->n * sizeof *X);
+  r->steps->source = add_frame;
+  r->steps->source_context = r;
+  hk_status status = hk_sensitivity_adjoint(r->steps, X, r->by, r->count, slope, &r->error);
+  r->steps->source = NULL;
+  if (status != HK_OK) return refuse(L, &r->error);
+  lua_createtable(L, (int)r->count, 0);
+  for (size_t j = 0; j < r->count; j++) {
+    push_numbers(L, r->knots[j].slope, r->knots[j].count);
+    lua_rawseti(L, -2, (lua_Integer)j + 1);
+  }
+  return 1;
+}
+
 /* record:refusal(measure): why the measure at the end is none that can be differentiated, or nil. */
 static int refusal(lua_State *L) {
   record *r = record_at(L);
@@ -312,9 +372,9 @@ __attribute__((visibility("default"))) int luaopen_sensitivity(lua_State *L);
 
 int luaopen_sensitivity(lua_State *L) {
   static const luaL_Reg functions[] = {{"record", begin}, {NULL, NULL}};
-  static const luaL_Reg methods[] = {{"vary", vary},       {"finish", finish},   {"about", about},
-                                     {"refusal", refusal}, {"adjoint", adjoint}, {"tangents", tangents},
-                                     {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"vary", vary},         {"finish", finish},   {"about", about},
+                                     {"refusal", refusal},   {"adjoint", adjoint}, {"tangents", tangents},
+                                     {"integral", integral}, {NULL, NULL}};
   luaL_newmetatable(L, type);
   lua_pushcfunction(L, close_record);
   lua_setfield(L, -2, "__gc");

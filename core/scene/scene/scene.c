@@ -99,6 +99,7 @@ void hk_scene_destroy(hk_scene *scene) {
   free(scene->particles.channel);
   free(scene->particles.pin);
   free(scene->measure);
+  hk_scene_free_goals(scene);
   for (size_t k = 0; k < scene->places.count; k++) free(scene->places.item[k].where);
   free(scene->places.item);
   hk_warnings_clear(&scene->warnings);
