@@ -1,6 +1,6 @@
 -- swing.lua: a rider pumps a swing from 0.2 rad to three times its energy by rising and sinking alone, and ends as far from the hook as it
 -- hangs: up where the swing is fast, down where it turns, twice in a period. The least pumping that does it is found by
---   hooke optimise swing.lua --goal energy=1,distance=2.52,climb=0
+--   hooke optimise swing.lua
 local scene = hooke.scene { duration = 12, fps = 20, integrator = "leapfrog", dt = 5e-3 }
 local pump = scene:control("pump", { knots = 49, help = "by how much the rider rises, m", start = {
   -0.0037, -0.0574, -0.0625, -0.0144, 0.0525, 0.0729, 0.0236, -0.0408, -0.0674, -0.0381, 0.0282, 0.0742, 0.0483,
@@ -27,4 +27,7 @@ scene:measure("energy", function(s) -- of the swing by mass, from its lowest pla
   local v, z = s:velocity(rider), s:position(rider)[3]
   return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) / 2 + g * (z + length)
 end)
+scene:goal { measure = "energy", value = 1 }
+scene:goal { measure = "distance", value = 2.52 }
+scene:goal { measure = "climb", value = 0 }
 return scene

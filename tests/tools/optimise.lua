@@ -11,6 +11,11 @@ local function optimum(arguments)
   return tonumber(cost), tonumber(iterations), text
 end
 
+local function cost_of(arguments)
+  local cost, _, text = optimum(arguments)
+  return cost, text
+end
+
 -- ---- a particle of 2 kg on a spring of k N/m, pushed: linear, so that the first step is the optimum ----
 
 write("push.lua", [[
@@ -53,7 +58,7 @@ cost, iterations, text = optimum("push.lua --goal x=1,v=0 k=18 knots=41")
 assert(cost > exact * (1 - 1e-6) and cost < exact * (1 + 1e-5) and iterations <= 2, ("%.9g\n%s"):format(exact, text))
 
 -- With knots half as far apart the optimum falls by what the closed form says, and its error by the knots is known.
-cost, _, text = optimum("push.lua --goal x=1,v=0 k=18 knots=11 --refine 2")
+cost, text = cost_of("push.lua --goal x=1,v=0 k=18 knots=11 --refine 2")
 local bound = tonumber(text:match("its error by the knots is (%S+) at most"))
 assert(cost > exact and cost - exact < bound and bound < 1e-3 * exact and text:find("41 knots: ", 1, true), text)
 
@@ -92,15 +97,15 @@ refused("bounded.lua again=true", "bounded.lua:8: goal: x[1] at 2 s is 1 already
 -- to d and w in 1 s costs m^2 (12 d^2 - 12 d w + 4 w^2), the other the same with 1 - d; both together least for w = 3/4.
 local m2, w2 = 4, 3 / 4
 local both = m2 * (12 / 16 - 12 * w2 / 4 + 4 * w2 ^ 2 + 12 * 9 / 16 - 12 * w2 * 3 / 4 + 4 * w2 ^ 2)
-cost, _, text = optimum("bounded.lua most=30 early=true")
+cost, text = cost_of("bounded.lua most=30 early=true")
 assert(math.abs(cost / both - 1) < 1e-10 and text:find("x%[1%] +0.25 at 1 s"), ("%g\n%s"):format(both, text))
 
 -- The squares as a cost of the scene, by the trapezium rule over frames h apart: h^2/12 times the integral of (u^2)'' more,
 -- 1.2e-3, and by what the optimum makes of that, some of its square.
-cost, _, text = optimum("bounded.lua fps=50 cost=squares")
+cost, text = cost_of("bounded.lua fps=50 cost=squares")
 assert(math.abs(cost - 6 - 0.02 ^ 2 / 12 * 2 * 3 ^ 2 * 2) < 3e-6, text)
 -- The push itself has no least integral but by its bounds: what it can be with x = 1 and v = 0 is m v = 0.
-cost, _, text = optimum("bounded.lua cost=none")
+cost, text = cost_of("bounded.lua cost=none")
 assert(math.abs(cost) < 1e-6, text)
 
 -- ---- what is refused ----

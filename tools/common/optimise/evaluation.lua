@@ -60,11 +60,11 @@ local function add_time(case, at, result)
   local integral
   run, integral = advance(case, scene, at)
   if not run then return integral end
-  local measures, fine = run:measures(), nil
+  local measures = run:measures()
   result.dt, result.integrator = run:summary().dt_max, run:summary().integrator
   if record then
-    fine, why = record:finish()
-    if not fine then return why end
+    why = select(2, record:finish())
+    if why then return why end
   end
   for g, goal in ipairs(case.goals) do
     if goal.at == at then

@@ -49,7 +49,7 @@ local function include(set, row)
     line[i] = line[i] / set.L[i][i]
     rest = rest - line[i] ^ 2
   end
-  if not (rest > dependent * whole) or whole == 0 then return false, triangles(set.L, products) end
+  if rest <= dependent * whole or rest ~= rest then return false, triangles(set.L, products) end
   line[n + 1] = math.sqrt(rest)
   set.rows[n + 1], set.images[n + 1], set.L[n + 1] = row, image, line
   return true

@@ -66,7 +66,8 @@ local function json_text(o, optima)
       goals[g] = { name = goal.name, value = goal.value, at = goal.at, off = plain(optimum.misses[g]),
         replayed_off = plain(optimum.replay.misses and optimum.replay.misses[g]) }
     end
-    list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum), iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
+    list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum),
+      iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
       goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
   end
   return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,

@@ -61,12 +61,12 @@ end
 
 -- The step of the quadratic program; where the bounds leave none, of one that asks for a part of what is missing.
 local function direction(state, problem)
-  local bounds, part, step = problem.bounds, 1, nil
+  local bounds, part = problem.bounds, 1
   if bounds then bounds = setmetatable({ at = bounds.values(state.y) }, { __index = bounds }) end
   for _ = 1, bounds and 6 or 1 do
-    local c, contradiction = {}, nil
+    local c = {}
     for i = 1, #state.c do c[i] = part * state.c[i] end
-    step, contradiction = quadratic.solve(state.B, state.slope, state.A, c, state.negligible, bounds)
+    local step, contradiction = quadratic.solve(state.B, state.slope, state.A, c, state.negligible, bounds)
     state.contradiction, part = contradiction, part / 4
     if step then return step end
   end
