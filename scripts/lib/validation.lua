@@ -3,7 +3,7 @@
 local validation = {}
 
 local problem_fields = { title = "string", setup = "string", quantities = "table", space = "table", time = "table",
-  order = "table", tolerance = "number", why = "string", noise = "number", quick = "table", forces = "table",
+  order = "table", tolerance = "number", why = "string", noise = "number", quick = "table or boolean", forces = "table",
   together = "boolean", solve = "function", asks = "function", timeout = "number", space_label = "string", time_label = "string" }
 local quantity_fields = { name = "string", unit = "string", reference = "number or function", source = "string",
   tolerance = "number", why = "string", scale = "number", order = "table", noise = "number" }
@@ -71,6 +71,7 @@ local function check(p)
   check_levels("space", p.space, true)
   check_levels("time", p.time, false)
   check_fields("order", p.order or {}, order_fields)
+  if p.quick == true then refuse("quick: the levels of the short form, or false: it has none") end
   check_fields("quick", p.quick or {}, quick_fields)
   if p.quick then
     check_levels("quick: space", p.quick.space, true)
