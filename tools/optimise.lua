@@ -30,6 +30,8 @@ local function parser()
       return text == "0" and 0 or command_line.whole(more[1])(text)
     end)
   end
+  p:option("--way", "shooting: the values of the controls are unknown; transcription: those and all states at knots")
+    :choices { "shooting", "transcription" }:default("shooting")
   p:option("--most", "iterations, of each start"):default("100"):convert(command_line.whole("--most"))
   p:option("--tolerance", "of the controls, relative"):default("1e-7"):convert(command_line.positive("--tolerance"))
   p:option("--accuracy", "how far the independent method may miss a goal, relative"):default("1e-3")

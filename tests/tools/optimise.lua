@@ -108,6 +108,20 @@ assert(math.abs(cost - 6 - 0.02 ^ 2 / 12 * 2 * 3 ^ 2 * 2) < 3e-6, text)
 cost, text = cost_of("bounded.lua cost=none")
 assert(math.abs(cost) < 1e-6, text)
 
+-- ---- by transcription: unknown are the states at knots as well ----
+
+-- Rest to rest is linear with a square as cost: one step. Its states and controls are exact to rounding.
+cost, iterations, text = optimum("push.lua --goal x=1,v=0 --way transcription")
+assert(math.abs(cost - 6) < 6e-12 and iterations == 1, text)
+cost, iterations, text = optimum("push.lua --goal x=1,v=0 k=18 --way transcription")
+local shooting = optimum("push.lua --goal x=1,v=0 k=18")
+assert(math.abs(cost / shooting - 1) < 1e-10 and iterations == 1, text)
+cost, iterations, text = optimum(("bounded.lua most=%.17g --way transcription"):format(U))
+assert(math.abs(cost / (2 * U * U * (1 - 2 * s / 3)) - 1) < 1e-10 and iterations == 1, text)
+refused("bounded.lua most=1.5 --way transcription", "the goal 'x[1]' = 1 at 2 s cannot be met within the bounds of the controls")
+refused("bounded.lua again=false cost=squares --way transcription", "scene:cost() is for shooting")
+refused("push.lua knots=8 --goal x=1 --way transcription", "lies within a step")
+
 -- ---- what is refused ----
 
 refused("push.lua", "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER")

@@ -6,7 +6,8 @@ local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"),
 local function optimum(arguments)
   local code, text = runs.run(arguments)
   assert(code == 0, text)
-  return tonumber(text:match("optimum 1: (%S+)")), text
+  local cost, iterations = text:match("optimum 1: (%S+) after (%d+) iterations")
+  return tonumber(cost), text, tonumber(iterations)
 end
 
 -- ---- a pendulum: q'' = u - sin q from rest at 0 to rest at pi in 4 s ----
@@ -76,5 +77,9 @@ return scene
 ]])
 cost, text = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0")
 assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s apart cost 2.3e-4 more
+
+-- By transcription in at most 30 iterations to the same optimum, as far as the steps between knots are equations that both hold.
+local by_states, words, iterations = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription")
+assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 30, words)
 
 runs.close()

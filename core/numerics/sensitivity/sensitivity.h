@@ -100,6 +100,14 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *, const hk_varied *, size_t co
 hk_status hk_sensitivity_adjoint(hk_sensitivity *, double *X, const hk_varied *, size_t count, double *slope,
                                  hk_error *);
 
+/* ---- segment.c ---- */
+
+/* The steps first to last - 1 from X (6n) at the begin of the first, between two knots that follow each other. On
+ * return X is the state at their end; J, NULL: not wanted, has the derivatives of that by every number of X, and then
+ * by the values of every function of time at both knots: (6n + 2 controls) x 6n. */
+hk_status hk_sensitivity_segment(hk_sensitivity *, size_t first, size_t last, double *X, const hk_varied *,
+                                 size_t controls, double *J, hk_error *error);
+
 /* Adds the derivative by a function of time at t to those by its values at the knots beside. */
 void hk_knots_note(const hk_knots *, double t, double slope);
 

@@ -30,6 +30,26 @@ function cost.of(controls)
   return setmetatable(self, { __index = cost })
 end
 
+-- W of all controls, by columns.
+function cost.matrix(controls)
+  local W, at, n = {}, 0, 0
+  for _, control in ipairs(controls) do n = n + #control.values end
+  for i = 1, n do
+    W[i] = {}
+    for k = 1, n do W[i][k] = 0 end
+  end
+  for _, control in ipairs(controls) do
+    local count = #control.values
+    for k = at + 1, at + count - 1 do
+      local part = control.duration / (count - 1) / 6
+      W[k][k], W[k + 1][k + 1] = W[k][k] + 2 * part, W[k + 1][k + 1] + 2 * part
+      W[k][k + 1], W[k + 1][k] = part, part
+    end
+    at = at + count
+  end
+  return W
+end
+
 -- y = L^T u
 function cost:weighted(u)
   local y = {}

@@ -4,8 +4,10 @@ local asked = require("common.optimise.asked")
 local cost = require("common.optimise.cost")
 local evaluation = require("common.optimise.evaluation")
 local progress = require("common.run.progress")
+local segments = require("common.optimise.segments")
 local sqp = require("common.optimise.sqp")
 local starts = require("common.optimise.starts")
+local transcription = require("common.optimise.transcription")
 
 local search = {}
 
@@ -52,6 +54,70 @@ local function shown(o, y, weight, found, gradient)
   return there
 end
 
+-- ---- by transcription ----
+
+-- Every goal with the knot at which it is; or nil and why transcription cannot take these.
+local function goals_at_knots(o, controls)
+  local first, list = controls[1], {}
+  if o.cost then return nil, "--way transcription: the cost is the controls' squares; scene:cost() is for shooting" end
+  for _, control in ipairs(controls) do
+    if #control.values ~= #first.values or control.duration ~= first.duration then
+      return nil, ("--way transcription: %s and %s need the same knots"):format(first.name, control.name)
+    end
+  end
+  if first.duration > o.at then
+    return nil, ("--way transcription: %s goes on to %.9g s, after the last goal at %.9g s"):format(first.name, first.duration, o.at)
+  end
+  for g, goal in ipairs(o.goals) do
+    local place = goal.at / first.duration * (#first.values - 1)
+    local knot = math.floor(place + 0.5)
+    if math.abs(place - knot) > 1e-6 or knot > #first.values - 1 then
+      return nil, ("--way transcription: the goal '%s' is at %.9g s, and no knot is"):format(goal.name, goal.at)
+    end
+    list[g] = { name = goal.name, value = goal.value, at = goal.at, knot = knot + 1 }
+  end
+  return list
+end
+
+local function bounds_of(controls)
+  local bounds, at = cost.of(controls):bounds(controls), 0
+  if not bounds then return nil end
+  for _, control in ipairs(controls) do at = at + #control.values end
+  return { low = bounds.low, high = bounds.high, values = function(p) return p end, row = function(k)
+    local row = {}
+    for j = 1, at do row[j] = j == k and 1 or 0 end
+    return row
+  end }
+end
+
+-- As optimum_from below.
+local function transcribed(o, controls, u, note, negligible)
+  local goals, why = goals_at_knots(o, controls)
+  if not goals then return nil, why end
+  local function shoot(values, nodes, weights)
+    local case = { parameters = with_values(controls, values), goals = goals, nodes = nodes, weights = weights or nil,
+      gradient = weights ~= false and nodes ~= nil }
+    for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+    local found = segments.take(case)
+    if found.failed then return nil, found.failed end
+    o.dt = o.dt or found.dt
+    return found
+  end
+  local optimum, contradiction
+  optimum, why, contradiction = transcription.minimise { start = u, W = cost.matrix(controls), knots = #controls[1].values,
+    controls = #controls, goals = goals, negligible = negligible, bounds = bounds_of(controls), most = o.most,
+    tolerance = o.tolerance, evaluate = shoot, note = function(iteration, now, missing, values)
+      note(iteration, now, missing)
+      o.keep(with_values(controls, values))
+    end }
+  if contradiction then why = asked.contradiction(o, contradiction) end
+  if not optimum then return nil, why end
+  local found = evaluate(o, controls, optimum.u, { gradient = false })
+  if found.failed then return nil, found.failed end
+  optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
+  return optimum
+end
+
 -- An optimum from controls with the values u; or nil and why there is none.
 local function optimum_from(o, controls, u, note)
   local weight, last, negligible = cost.of(controls), nil, {}
@@ -63,6 +129,7 @@ local function optimum_from(o, controls, u, note)
     return shown(o, y, weight, found, gradient)
   end
   for g, goal in ipairs(o.goals) do negligible[g] = 1e-12 * math.max(goal.scale, math.abs(goal.value)) end
+  if o.way == "transcription" then return transcribed(o, controls, u, note, negligible) end
   local optimum, why, contradiction = sqp.minimise { start = weight:weighted(u), evaluate = measured, most = o.most,
     tolerance = o.tolerance, negligible = negligible, bounds = weight:bounds(controls),
     note = function(iteration, now, missing, y)
