@@ -292,7 +292,7 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"integral", integral},
                                      {"times", hk_record_times},
                                      {"segment", hk_record_segment},
-                                     {"look", hk_record_look},
+                                     {"survey", hk_record_survey},
                                      {NULL, NULL}};
   luaL_newmetatable(L, hk_record_type);
   lua_pushcfunction(L, close_record);

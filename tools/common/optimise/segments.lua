@@ -80,7 +80,7 @@ local function execute(case)
   end
   for g, goal in ipairs(case.goals) do
     local node = goal.knot
-    result.goals[g], result.slopes[g] = record:look(goal.name, goal.at, case.nodes and case.nodes[node] or result.ends[node - 1])
+    result.goals[g], result.slopes[g] = record:survey(goal.name, goal.at, case.nodes and case.nodes[node] or result.ends[node - 1])
     if not result.goals[g] then return { failed = result.slopes[g] } end
   end
   return result

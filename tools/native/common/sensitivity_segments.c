@@ -44,8 +44,8 @@ int hk_record_segment(lua_State *L) {
   return 2;
 }
 
-/* record:look(measure, t, X) -> the measure at t in the state X, and its derivatives by that; or nil and a reason. */
-int hk_record_look(lua_State *L) {
+/* record:survey(measure, t, X) -> the measure at t in the state X, and its derivatives by that; or nil and a reason. */
+int hk_record_survey(lua_State *L) {
   record *r = hk_record_at(L);
   double t = luaL_checknumber(L, 3), value;
   size_t size = 6 * r->steps->n;
