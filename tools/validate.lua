@@ -82,6 +82,15 @@ local function refused(list)
   return count
 end
 
+-- Problems with `quick = false` have no short form.
+local function with_short_form(list)
+  local rest = {}
+  for _, problem in ipairs(list) do
+    if problem.description.quick ~= false then rest[#rest + 1] = problem end
+  end
+  return rest
+end
+
 -- ---- a plugin in the place of a force ----
 
 local function has_all(plugin, params)
@@ -203,6 +212,10 @@ local function main()
   local jobs = o.jobs or process.processors()
   describe(list, jobs)
   if refused(list) > 0 then return 1 end
+  if o.quick then
+    list = with_short_form(list)
+    if #list == 0 then return complain("none of these problems has a short form: leave --quick out") end
+  end
   if o.plugin then
     list, code = with_plugin(list, o)
     if not list then return code end

@@ -3,8 +3,8 @@
 local validation = {}
 
 local problem_fields = { title = "string", setup = "string", quantities = "table", space = "table", time = "table",
-  order = "table", tolerance = "number", why = "string", noise = "number", quick = "table", forces = "table",
-  together = "boolean", solve = "function", timeout = "number", space_label = "string", time_label = "string" }
+  order = "table", tolerance = "number", why = "string", noise = "number", quick = "table or boolean", forces = "table",
+  together = "boolean", solve = "function", asks = "function", timeout = "number", space_label = "string", time_label = "string" }
 local quantity_fields = { name = "string", unit = "string", reference = "number or function", source = "string",
   tolerance = "number", why = "string", scale = "number", order = "table", noise = "number" }
 local quick_fields = { space = "table", time = "table", tolerance = "number" }
@@ -71,6 +71,7 @@ local function check(p)
   check_levels("space", p.space, true)
   check_levels("time", p.time, false)
   check_fields("order", p.order or {}, order_fields)
+  if p.quick == true then refuse("quick: the levels of the short form, or false: it has none") end
   check_fields("quick", p.quick or {}, quick_fields)
   if p.quick then
     check_levels("quick: space", p.quick.space, true)
@@ -98,8 +99,9 @@ end
 local function described(p)
   local d = { quantities = {} }
   for key, value in pairs(p) do
-    if key ~= "solve" and key ~= "quantities" then d[key] = value end
+    if key ~= "solve" and key ~= "quantities" and key ~= "asks" then d[key] = value end
   end
+  d.asks = p.asks ~= nil
   for k, q in ipairs(p.quantities) do
     local copy = {}
     for key, value in pairs(q) do copy[key] = value end
@@ -139,6 +141,7 @@ function validation.problem(p)
   return {
     describe = function() return described(p) end,
     solve = function(at) return answers(p, at) end,
+    asks = p.asks,
   }
 end
 

@@ -11,13 +11,17 @@ local function optimum(arguments)
   return tonumber(cost), tonumber(iterations), text
 end
 
+local function cost_of(arguments)
+  local cost, _, text = optimum(arguments)
+  return cost, text
+end
+
 -- ---- a particle of 2 kg on a spring of k N/m, pushed: linear, so that the first step is the optimum ----
 
 write("push.lua", [[
-local control = require("control")
 local k, knots = param("k", 0, "N/m"), param("knots", 11)
-local push = control("push", { knots = knots, duration = 2 })
 local scene = hooke.scene { duration = 2, fps = 5, integrator = "rk4", dt = 0.025 }
+local push = scene:control("push", { knots = knots, duration = 2 })
 local p = scene:particle { position = { 0, 0, 0 }, mass = 2 }
 scene:force("field", { f = function(t) return push(t), 0, 0 end })
 if k > 0 then scene:force("central", { strength = k, per = "particle" }) end
@@ -53,13 +57,74 @@ local exact = c / (a * c - b * b) -- d = (1, 0)
 cost, iterations, text = optimum("push.lua --goal x=1,v=0 k=18 knots=41")
 assert(cost > exact * (1 - 1e-6) and cost < exact * (1 + 1e-5) and iterations <= 2, ("%.9g\n%s"):format(exact, text))
 
--- Forces that two goals cannot both have, and a goal that nothing changes.
-refused("push.lua --goal x=1,twice=3", "the goal 'twice' cannot be met: the controls change it not at all, or not without")
-refused("push.lua --goal other=1", "the goal 'other' cannot be met")
+-- With knots half as far apart the optimum falls by what the closed form says, and its error by the knots is known.
+cost, text = cost_of("push.lua --goal x=1,v=0 k=18 knots=11 --refine 2")
+local bound = tonumber(text:match("its error by the knots is (%S+) at most"))
+assert(cost > exact and cost - exact < bound and bound < 1e-3 * exact and text:find("41 knots: ", 1, true), text)
+
+-- Goals that one control cannot all meet, and one that nothing changes.
+refused("push.lua --goal x=1,twice=3", "the goal 'twice' = 3 at 2 s cannot be met beside 'x' = 1 at 2 s")
+refused("push.lua --goal other=1", "the goal 'other' = 1 at 2 s cannot be met: the controls do not change it")
+
+-- ---- goals, costs and bounds of the scene ----
+
+-- A push of at most U: u = clip(a (T/2 - t)) with s = U/a of T/2 = 1 s in which it is linear. Its distance, (2/m) U (1/2 - s^2/6),
+-- is 1 with m = 2 for s = 0.8, between knots, and U as below; its cost is 2 U^2 (1 - 2 s/3). The goal's y and z hold by themselves.
+write("bounded.lua", [[
+local most = param("most", 10)
+local scene = hooke.scene { duration = 2, fps = param("fps", 5), integrator = "rk4", dt = 0.1 }
+local push = scene:control("push", { knots = 11, min = -most, max = most })
+local p = scene:particle { position = { 0, 0, 0 }, mass = 2 }
+scene:force("field", { f = function(t) return push(t), 0, 0 end })
+scene:goal { particle = p, position = { 1, 0, 0 }, velocity = { 0, 0, 0 } }
+if param("early", false) then scene:goal { measure = "x[1]", value = 0.25, at = 1 } end
+if param("again", false) then scene:goal { measure = "x[1]", value = 2 } end
+local way = param("cost", "")
+if way == "squares" then scene:cost(function(s) return push(s.t) ^ 2 end) end
+if way == "none" then scene:cost(function(s) return push(s.t) end) end
+return scene
+]])
+local s = 0.8
+local U = 1 / (1 / 2 - s * s / 6)
+cost, iterations, text = optimum(("bounded.lua most=%.17g"):format(U))
+assert(math.abs(cost / (2 * U * U * (1 - 2 * s / 3)) - 1) < 1e-10 and iterations == 1, text)
+assert(text:find("x%[1%] +1 at 2 s"), text)
+refused("bounded.lua most=1.5", "the goal 'x[1]' = 1 at 2 s cannot be met within the bounds of the controls")
+refused("bounded.lua most=1 push='2: 0 3'", "bounded.lua:3: control 'push': the value 3 at knot 2 is above max, 1")
+refused("bounded.lua again=true", "bounded.lua:8: goal: x[1] at 2 s is 1 already (line 6), and cannot be 2")
+
+-- Beside it 1/4 at half of the time: x is a cubic on both sides, and the push linear. Where the speed there is w, a side from rest
+-- to d and w in 1 s costs m^2 (12 d^2 - 12 d w + 4 w^2), the other the same with 1 - d; both together least for w = 3/4.
+local m2, w2 = 4, 3 / 4
+local both = m2 * (12 / 16 - 12 * w2 / 4 + 4 * w2 ^ 2 + 12 * 9 / 16 - 12 * w2 * 3 / 4 + 4 * w2 ^ 2)
+cost, text = cost_of("bounded.lua most=30 early=true")
+assert(math.abs(cost / both - 1) < 1e-10 and text:find("x%[1%] +0.25 at 1 s"), ("%g\n%s"):format(both, text))
+
+-- The squares as a cost of the scene, by the trapezium rule over frames h apart: h^2/12 times the integral of (u^2)'' more,
+-- 1.2e-3, and by what the optimum makes of that, some of its square.
+cost, text = cost_of("bounded.lua fps=50 cost=squares")
+assert(math.abs(cost - 6 - 0.02 ^ 2 / 12 * 2 * 3 ^ 2 * 2) < 3e-6, text)
+-- The push itself has no least integral but by its bounds: what it can be with x = 1 and v = 0 is m v = 0.
+cost, text = cost_of("bounded.lua cost=none")
+assert(math.abs(cost) < 1e-6, text)
+
+-- ---- by transcription: unknown are the states at knots as well ----
+
+-- Rest to rest is linear with a square as cost: one step. Its states and controls are exact to rounding.
+cost, iterations, text = optimum("push.lua --goal x=1,v=0 --way transcription")
+assert(math.abs(cost - 6) < 6e-12 and iterations == 1, text)
+cost, iterations, text = optimum("push.lua --goal x=1,v=0 k=18 --way transcription")
+local shooting = optimum("push.lua --goal x=1,v=0 k=18")
+assert(math.abs(cost / shooting - 1) < 1e-10 and iterations == 1, text)
+cost, iterations, text = optimum(("bounded.lua most=%.17g --way transcription"):format(U))
+assert(math.abs(cost / (2 * U * U * (1 - 2 * s / 3)) - 1) < 1e-10 and iterations == 1, text)
+refused("bounded.lua most=1.5 --way transcription", "the goal 'x[1]' = 1 at 2 s cannot be met within the bounds of the controls")
+refused("bounded.lua again=false cost=squares --way transcription", "scene:cost() is for shooting")
+refused("push.lua knots=8 --goal x=1 --way transcription", "lies within a step")
 
 -- ---- what is refused ----
 
-refused("push.lua", "no goal: --goal MEASURE=NUMBER")
+refused("push.lua", "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER")
 refused("push.lua --goal x", "--goal: 'x' is not MEASURE=NUMBER")
 refused("push.lua --goal x=nan", "--goal: 'x=nan' is not MEASURE=NUMBER")
 refused("push.lua --goal x=1,x=2", "--goal: x is there twice")

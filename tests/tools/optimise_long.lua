@@ -6,15 +6,15 @@ local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"),
 local function optimum(arguments)
   local code, text = runs.run(arguments)
   assert(code == 0, text)
-  return tonumber(text:match("optimum 1: (%S+)")), text
+  local cost, iterations = text:match("optimum 1: (%S+) after (%d+) iterations")
+  return tonumber(cost), text, tonumber(iterations)
 end
 
 -- ---- a pendulum: q'' = u - sin q from rest at 0 to rest at pi in 4 s ----
 
 runs.write("swing_up.lua", [[
-local control = require("control")
-local torque = control("torque", { knots = 61, duration = 4 })
 local scene = hooke.scene { duration = 4, fps = 10, integrator = "rk4", dt = 0.02 }
+local torque = scene:control("torque", { knots = 61, duration = 4 })
 local p = scene:particle { position = { 0, 0, 0 } }
 scene:force("field", { f = function(t, q) return torque(t) - math.sin(q), 0, 0 end })
 scene:measure("q", function(s) return s:position(p)[1] end)
@@ -60,10 +60,9 @@ assert(math.abs(cost - y[5]) < 1e-5 * y[5], ("%.9g\n%s"):format(y[5], text))
 -- ---- a cart of 1 kg with a pole of 0.5 m and 0.3 kg: 1 m to the side and upright in 2 s ----
 
 runs.write("cart_pole.lua", [[
-local control = require("control")
-local push = control("push", { knots = 81, duration = 2 })
 local m1, m2, l, g = 1, 0.3, 0.5, 9.81
 local scene = hooke.scene { duration = 2, fps = 20, integrator = "rk4", dt = 0.0125 }
+local push = scene:control("push", { knots = 81, duration = 2 })
 local p = scene:particle { position = { 0, 0, 0 } }
 scene:force("field", { f = function(t, _, q, _, _, w) -- m of the cart, and the pole's angle
   local u, s, c = push(t), math.sin(q), math.cos(q)
@@ -78,5 +77,9 @@ return scene
 ]])
 cost, text = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0")
 assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s apart cost 2.3e-4 more
+
+-- By transcription in at most 30 iterations to the same optimum, as far as the steps between knots are equations that both hold.
+local by_states, words, iterations = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription")
+assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 30, words)
 
 runs.close()

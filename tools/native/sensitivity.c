@@ -1,32 +1,12 @@
 /* sensitivity: the derivatives of a scene's measure by parameters, for `hooke gradient`. */
-#include "core/app/lua/lua.h"
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "tools/native/common/sensitivity_record.h"
 
 #include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char type[] = "hooke.sensitivity";
-
-enum { MOST = 64 }; /* parameters */
-
-typedef struct record {
-  hk_sensitivity *steps;
-  hk_run *run, *more[MOST], *less[MOST];
-  hk_varied by[MOST];
-  hk_knots knots[MOST]; /* of those that are functions of time */
-  size_t count;         /* of parameters */
-  size_t measure;       /* which of the scene is asked for */
-  double *X;            /* 6n, a state as a run is shown it */
-  double *row;          /* rows x (2 + count): t, value, derivatives */
-  size_t rows, room;
-  hk_error error;
-} record;
-
-static record *record_at(lua_State *L) { return luaL_checkudata(L, 1, type); }
-
 static int close_record(lua_State *L) {
-  record *r = record_at(L);
+  record *r = hk_record_at(L);
   for (size_t j = 0; j < r->count; j++) free(r->knots[j].slope);
   hk_sensitivity_close(r->steps);
   free(r->X);
@@ -35,25 +15,18 @@ static int close_record(lua_State *L) {
   return 0;
 }
 
-/* nil and a reason */
-static int refuse(lua_State *L, const hk_error *error) {
-  lua_pushnil(L);
-  lua_pushstring(L, error->text);
-  return 2;
-}
-
 /* record(run): keeps the steps of a run from here on; or nil and why they cannot be differentiated. */
 static int begin(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   record *r = lua_newuserdatauv(L, sizeof *r, 1);
   *r = (record){.run = run};
-  luaL_setmetatable(L, type);
+  luaL_setmetatable(L, hk_record_type);
   lua_createtable(L, 1, 0); /* runs, which live as long as the record */
   lua_pushvalue(L, 1);
   lua_rawseti(L, -2, 1);
   lua_setiuservalue(L, -2, 1);
-  if (hk_sensitivity_open(&run->loop, &r->steps, &r->error) != HK_OK) return refuse(L, &r->error);
-  r->X = malloc((6 * r->steps->n + 1) * sizeof *r->X);
+  if (hk_sensitivity_open(&run->loop, &r->steps, &r->error) != HK_OK) return hk_record_refuse(L, &r->error);
+  r->X = malloc((12 * r->steps->n + 1) * sizeof *r->X);
   return r->X ? 1 : luaL_error(L, "no memory");
 }
 
@@ -87,21 +60,21 @@ static int give_knots(lua_State *L, record *r, size_t count, double end) {
     return 1;
   }
   hk_error_set(&r->error, HK_FAILED, "it is a function of time, and the start depends on it");
-  return refuse(L, &r->error);
+  return hk_record_refuse(L, &r->error);
 }
 
 /* record:vary(more, less, by [, knots, end]): adds a parameter, by two runs of the scene at their start in which it is
  * larger and smaller by `by`; a number, or a function of time with so many knots. nil and a reason where it changes
  * what particles there are, or the order in which they are kept. */
 static int vary(lua_State *L) {
-  record *r = record_at(L);
+  record *r = hk_record_at(L);
   double by = luaL_checknumber(L, 4), end = luaL_optnumber(L, 6, 0);
   lua_Integer knots = luaL_optinteger(L, 5, 0);
   hk_run *more = keep_run(L, 2), *less = keep_run(L, 3);
-  luaL_argcheck(L, r->count < MOST, 2, "too many parameters");
+  luaL_argcheck(L, r->count < HK_RECORD_MOST, 2, "too many parameters");
   if (!same_particles(r->run, more) || !same_particles(r->run, less)) {
     hk_error_set(&r->error, HK_FAILED, "it changes the number or the order of the particles");
-    return refuse(L, &r->error);
+    return hk_record_refuse(L, &r->error);
   }
   r->more[r->count] = more;
   r->less[r->count] = less;
@@ -114,15 +87,15 @@ static int vary(lua_State *L) {
 /* record:finish(): takes the steps again; by which part of its size the scene then ends elsewhere, or nil and why these
  * are not the steps of the run. */
 static int finish(lua_State *L) {
-  record *r = record_at(L);
-  if (hk_sensitivity_finish(r->steps, &r->error) != HK_OK) return refuse(L, &r->error);
+  record *r = hk_record_at(L);
+  if (hk_sensitivity_finish(r->steps, &r->error) != HK_OK) return hk_record_refuse(L, &r->error);
   lua_pushnumber(L, r->steps->off);
   return 1;
 }
 
 /* record:about() -> steps, particles, a force without an exact Jacobian or nil, bytes of the states of an adjoint */
 static int about(lua_State *L) {
-  const hk_sensitivity *s = record_at(L)->steps;
+  const hk_sensitivity *s = hk_record_at(L)->steps;
   lua_pushinteger(L, (lua_Integer)s->steps);
   lua_pushinteger(L, (lua_Integer)s->n);
   lua_pushstring(L, s->inexact);
@@ -130,55 +103,11 @@ static int about(lua_State *L) {
   return 4;
 }
 
-static void push_numbers(lua_State *L, const double *number, size_t count) {
-  lua_createtable(L, (int)count, 0);
-  for (size_t k = 0; k < count; k++) {
-    lua_pushnumber(L, number[k]);
-    lua_rawseti(L, -2, (lua_Integer)k + 1);
-  }
-}
-
-/* ---- the measure ---- */
-
-static size_t measure_named(lua_State *L, const record *r, int index) {
-  const char *name = luaL_checkstring(L, index);
-  const hk_scene *scene = r->run->scene;
-  for (size_t k = 0; k < scene->measures; k++)
-    if (strcmp(scene->measure[k].name, name) == 0) return k;
-  luaL_argerror(L, index, "no measure of the scene");
-  return 0;
-}
-
-/* What the measure is in a run, of its own script, that is shown another x and v for the time of the call. */
-static hk_status measure_at(record *r, hk_run *run, double t, double *X, double *value) {
-  hk_state *s = &run->state;
-  double *own = s->X, before = s->t;
-  double *shown = malloc(s->size * sizeof *shown);
-  if (!shown) return hk_error_set(&r->error, HK_NO_MEMORY, "no memory for a measure");
-  memcpy(shown, own, s->size * sizeof *shown);
-  memcpy(own, X, 6 * s->model.n * sizeof *X);
-  hk_step_set_time(&run->loop, t);
-  hk_status status = hk_figures_measure(&run->loop, &run->judgement, run);
-  *value = run->judgement.measure[r->measure];
-  memcpy(own, shown, s->size * sizeof *shown);
-  hk_step_set_time(&run->loop, before);
-  free(shown);
-  if (status != HK_OK) return hk_error_set(&r->error, status, "%s", run->error.text);
-  if (isfinite(*value)) return HK_OK;
-  return hk_error_set(&r->error, HK_FAILED, "the measure is not finite at t = %g s", t);
-}
-
-/* The state X and, to both sides, the part `part` of its change dX. */
-static double *moved(record *r, const double *X, const double *dX, double part) {
-  for (size_t e = 0; e < 6 * r->steps->n; e++) r->X[e] = X[e] + (dX ? part * dX[e] : 0);
-  return r->X;
-}
-
 /* d(measure)/dp where the state changes by dX/dp: of the state and of what the script makes of the parameter. */
 static hk_status differ(record *r, size_t j, double t, const double *X, const double *dX, double *slope) {
   double more, less, by = r->by[j].by;
-  hk_status status = measure_at(r, r->more[j], t, moved(r, X, dX, by), &more);
-  if (status == HK_OK) status = measure_at(r, r->less[j], t, moved(r, X, dX, -by), &less);
+  hk_status status = hk_record_measure_at(r, r->more[j], t, hk_record_moved(r, X, dX, by), &more);
+  if (status == HK_OK) status = hk_record_measure_at(r, r->less[j], t, hk_record_moved(r, X, dX, -by), &less);
   if (status == HK_OK) *slope = (more - less) / (2 * by);
   return status;
 }
@@ -200,7 +129,7 @@ static hk_status note_row(void *context, double t, const double *X, const double
   r->row = rows;
   double *row = r->row + r->rows * width;
   row[0] = t;
-  hk_status status = measure_at(r, r->run, t, moved(r, X, NULL, 0), &row[1]);
+  hk_status status = hk_record_measure_at(r, r->run, t, hk_record_moved(r, X, NULL, 0), &row[1]);
   for (size_t j = 0; j < r->count && status == HK_OK; j++)
     status = differ(r, j, t, X, tangents + 9 * r->steps->n * j, &row[2 + j]);
   r->rows += status == HK_OK;
@@ -210,30 +139,22 @@ static hk_status note_row(void *context, double t, const double *X, const double
 /* record:tangents(measure) -> rows { t, value, derivative by each parameter } at the start, at frames and at the end;
  * or nil and a reason. */
 static int tangents(lua_State *L) {
-  record *r = record_at(L);
+  record *r = hk_record_at(L);
   size_t width = 2 + r->count;
-  r->measure = measure_named(L, r, 2);
+  r->measure = hk_record_measure_named(L, r, 2);
   r->rows = 0;
   hk_error_clear(&r->error);
-  if (hk_sensitivity_tangents(r->steps, r->by, r->count, note_row, r, &r->error) != HK_OK) return refuse(L, &r->error);
+  if (hk_sensitivity_tangents(r->steps, r->by, r->count, note_row, r, &r->error) != HK_OK)
+    return hk_record_refuse(L, &r->error);
   lua_createtable(L, (int)r->rows, 0);
   for (size_t k = 0; k < r->rows; k++) {
-    push_numbers(L, r->row + k * width, width);
+    hk_record_push(L, r->row + k * width, width);
     lua_rawseti(L, -2, (lua_Integer)k + 1);
   }
   return 1;
 }
 
 /* ---- backwards ---- */
-
-static const double part = 6e-6; /* eps^(1/3), of the scene's size, over which differences by x and v are taken */
-
-/* The largest of the numbers, or of their distances from the first three. */
-static double size_of(const double *x, size_t count, bool places) {
-  double most = 0;
-  for (size_t e = 0; e < count; e++) most = fmax(most, fabs(x[e] - (places ? x[e % 3] : 0)));
-  return most > 0 ? most : 1;
-}
 
 /* What the measure is where one number of the run's own state is another one for the time of the call. */
 static hk_status measure_beside(record *r, size_t e, double by, double *value) {
@@ -251,8 +172,9 @@ static hk_status measure_beside(record *r, size_t e, double by, double *value) {
 static hk_status by_state(record *r, double *slope) {
   const double *X = r->run->state.X;
   size_t v = 3 * r->steps->n;
-  double by[2] = {part * size_of(X, v, true), part * size_of(X + v, v, false)};
+  double by[2];
   hk_status status = HK_OK;
+  hk_record_reach(r, X, by);
   for (size_t e = 0; e < 2 * v && status == HK_OK; e++) {
     double more, less = 0, step = by[e >= v];
     status = measure_beside(r, e, step, &more);
@@ -265,9 +187,9 @@ static hk_status by_state(record *r, double *slope) {
 /* record:adjoint(measure) -> a list of the derivatives at the end by each parameter, of a function of time the list of
  * those by its values at the knots; or nil and a reason. */
 static int adjoint(lua_State *L) {
-  record *r = record_at(L);
-  double slope[MOST], direct = 0;
-  r->measure = measure_named(L, r, 2);
+  record *r = hk_record_at(L);
+  double slope[HK_RECORD_MOST], direct = 0;
+  r->measure = hk_record_measure_named(L, r, 2);
   hk_error_clear(&r->error);
   double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);
   hk_status status = by_state(r, X);
@@ -278,25 +200,74 @@ static int adjoint(lua_State *L) {
     if (status == HK_OK && r->by[j].knots && direct != 0)
       status = hk_error_set(&r->error, HK_FAILED, "the measure itself depends on a function of time that is varied");
     if (r->by[j].knots)
-      push_numbers(L, r->knots[j].slope, r->knots[j].count);
+      hk_record_push(L, r->knots[j].slope, r->knots[j].count);
     else
       lua_pushnumber(L, slope[j] + direct);
     lua_rawseti(L, -2, (lua_Integer)j + 1);
   }
-  return status == HK_OK ? 1 : refuse(L, &r->error);
+  return status == HK_OK ? 1 : hk_record_refuse(L, &r->error);
+}
+
+/* ---- of an integral ---- */
+
+/* The part of the time to which the trapezium rule gives the frame at t, s. */
+static double weight_at(const record *r, double t) {
+  double fps = r->run->scene->fps, end = r->run->state.t, near = 1e-6;
+  double before = t > 0 ? t - (ceil(t * fps - near) - 1) / fps : 0;
+  double after = t < end ? fmin((floor(t * fps + near) + 1) / fps, end) - t : 0;
+  return (before + after) / 2;
+}
+
+/* hk_adjoint_source: what the frame at t adds to the integral of the measure, by its state and by functions of time. */
+static hk_status add_frame(void *context, double t, const double *X, double *L) {
+  record *r = context;
+  size_t size = 6 * r->steps->n;
+  double weight = weight_at(r, t), *slope = r->X + size;
+  if (!is_frame(r, t)) return HK_OK;
+  hk_status status = hk_record_slope(r, t, X, slope);
+  for (size_t e = 0; e < size && status == HK_OK; e++) L[e] += weight * slope[e];
+  for (size_t j = 0; j < r->count && status == HK_OK; j++) {
+    double direct;
+    status = differ(r, j, t, X, NULL, &direct);
+    if (status == HK_OK) hk_knots_note(&r->knots[j], t, weight * direct);
+  }
+  return status;
+}
+
+/* record:integral(measure) -> the lists of the derivatives of the measure's integral over the frames, by the trapezium
+ * rule, by the values of each function of time; or nil and a reason. */
+static int integral(lua_State *L) {
+  record *r = hk_record_at(L);
+  double slope[HK_RECORD_MOST];
+  r->measure = hk_record_measure_named(L, r, 2);
+  hk_error_clear(&r->error);
+  for (size_t j = 0; j < r->count; j++) luaL_argcheck(L, r->by[j].knots, 1, "functions of time alone");
+  double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);
+  memset(X, 0, 6 * r->steps->n * sizeof *X);
+  r->steps->source = add_frame;
+  r->steps->source_context = r;
+  hk_status status = hk_sensitivity_adjoint(r->steps, X, r->by, r->count, slope, &r->error);
+  r->steps->source = NULL;
+  if (status != HK_OK) return hk_record_refuse(L, &r->error);
+  lua_createtable(L, (int)r->count, 0);
+  for (size_t j = 0; j < r->count; j++) {
+    hk_record_push(L, r->knots[j].slope, r->knots[j].count);
+    lua_rawseti(L, -2, (lua_Integer)j + 1);
+  }
+  return 1;
 }
 
 /* record:refusal(measure): why the measure at the end is none that can be differentiated, or nil. */
 static int refusal(lua_State *L) {
-  record *r = record_at(L);
+  record *r = hk_record_at(L);
   hk_state *s = &r->run->state;
   double value, shifted, again, work = s->X[s->size - 1], scale = 1 + fabs(work);
-  r->measure = measure_named(L, r, 2);
-  hk_status status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &value);
+  r->measure = hk_record_measure_named(L, r, 2);
+  hk_status status = hk_record_measure_at(r, r->run, s->t, hk_record_moved(r, s->X, NULL, 0), &value);
   s->X[s->size - 1] += scale;
-  if (status == HK_OK) status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &shifted);
+  if (status == HK_OK) status = hk_record_measure_at(r, r->run, s->t, hk_record_moved(r, s->X, NULL, 0), &shifted);
   s->X[s->size - 1] = work;
-  if (status == HK_OK) status = measure_at(r, r->run, s->t, moved(r, s->X, NULL, 0), &again);
+  if (status == HK_OK) status = hk_record_measure_at(r, r->run, s->t, hk_record_moved(r, s->X, NULL, 0), &again);
   if (status != HK_OK)
     lua_pushstring(L, r->error.text);
   else if (value != again)
@@ -312,10 +283,18 @@ __attribute__((visibility("default"))) int luaopen_sensitivity(lua_State *L);
 
 int luaopen_sensitivity(lua_State *L) {
   static const luaL_Reg functions[] = {{"record", begin}, {NULL, NULL}};
-  static const luaL_Reg methods[] = {{"vary", vary},       {"finish", finish},   {"about", about},
-                                     {"refusal", refusal}, {"adjoint", adjoint}, {"tangents", tangents},
+  static const luaL_Reg methods[] = {{"vary", vary},
+                                     {"finish", finish},
+                                     {"about", about},
+                                     {"refusal", refusal},
+                                     {"adjoint", adjoint},
+                                     {"tangents", tangents},
+                                     {"integral", integral},
+                                     {"times", hk_record_times},
+                                     {"segment", hk_record_segment},
+                                     {"survey", hk_record_survey},
                                      {NULL, NULL}};
-  luaL_newmetatable(L, type);
+  luaL_newmetatable(L, hk_record_type);
   lua_pushcfunction(L, close_record);
   lua_setfield(L, -2, "__gc");
   lua_newtable(L);

@@ -36,6 +36,11 @@ int hk_lua_scene_periodic(lua_State *L); /* scene:periodic{} */
 /* channel.c */
 int hk_lua_scene_channel(lua_State *L); /* scene:channel() */
 
+/* control.c, goal.c: what `hooke optimise` looks for */
+int hk_lua_scene_control(lua_State *L); /* scene:control() */
+int hk_lua_scene_goal(lua_State *L);    /* scene:goal{} */
+int hk_lua_scene_cost(lua_State *L);    /* scene:cost() */
+
 /* scene.c */
 void hk_lua_open_scene(lua_State *L);
 

@@ -147,6 +147,39 @@ static void push_parameters(lua_State *L, const hk_script *script) {
   lua_setfield(L, -2, "parameters");
 }
 
+/* Pushes what `hooke optimise` looks for: controls { name, duration, values, min, max }, goals { measure, value, at,
+ * where }, and the measure that is the cost, or nil. */
+static void push_goals(lua_State *L, const hk_scene *scene) {
+  lua_createtable(L, (int)scene->controls, 0);
+  for (size_t k = 0; k < scene->controls; k++) {
+    const hk_control *c = &scene->control[k];
+    lua_newtable(L);
+    hk_tool_set_text(L, "name", c->name);
+    hk_tool_set_number(L, "duration", c->duration);
+    hk_tool_set_number(L, "min", c->min);
+    hk_tool_set_number(L, "max", c->max);
+    lua_createtable(L, (int)c->knots, 0);
+    for (size_t j = 0; j < c->knots; j++) {
+      lua_pushnumber(L, c->value[j]);
+      lua_rawseti(L, -2, (lua_Integer)j + 1);
+    }
+    lua_setfield(L, -2, "values");
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "controls");
+  lua_createtable(L, (int)scene->goals, 0);
+  for (size_t k = 0; k < scene->goals; k++) {
+    lua_newtable(L);
+    hk_tool_set_text(L, "name", scene->measure[scene->goal[k].measure].name);
+    hk_tool_set_number(L, "value", scene->goal[k].value);
+    hk_tool_set_number(L, "at", scene->goal[k].at);
+    hk_tool_set_text(L, "where", scene->goal[k].where);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "goals");
+  if (scene->cost) hk_tool_set_text(L, "cost", scene->cost);
+}
+
 static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
@@ -165,6 +198,7 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   hk_tool_set_number(L, "tol", run->dynamics.system.tol);
   hk_tool_set_flag(L, "dt_chosen", run->step->chosen);
   hk_tool_set_number(L, "longest_step", hk_loop_longest_step(&run->loop));
+  push_goals(L, scene);
   push_plugins(L, run);
   push_solver(L, run);
   push_spectrum(L, spectrum);

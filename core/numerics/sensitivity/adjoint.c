@@ -29,7 +29,7 @@ static void depart(const adjoint *w, const hk_taken_step *step) {
 }
 
 /* What a function of time has at t is linear in the values at the knots beside. */
-static void note_knots(const hk_knots *knots, double t, double slope) {
+void hk_knots_note(const hk_knots *knots, double t, double slope) {
   size_t last = knots->count - 1;
   double at = (t - knots->begin) / (knots->end - knots->begin) * (double)last;
   if (!(at > 0)) at = 0;
@@ -47,7 +47,7 @@ static hk_status note_parameters(adjoint *w, size_t k) {
     status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->own);
     for (size_t e = 0; e < 3 * w->s->n; e++) slope += w->u[k][e] * w->own[e];
     w->slope[j] += slope;
-    if (w->by[j].knots) note_knots(w->by[j].knots, p->t, slope);
+    if (w->by[j].knots) hk_knots_note(w->by[j].knots, p->t, slope);
   }
   return status;
 }
@@ -85,7 +85,9 @@ static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
     status = hk_sensitivity_step(s, &s->step[i], next);
   }
   for (size_t i = end; i-- > begin && status == HK_OK;) {
-    status = hk_sensitivity_step(s, &s->step[i], w->segment + (i - begin) * size);
+    hk_carried *after = w->segment + (i - begin) * size;
+    status = hk_sensitivity_step(s, &s->step[i], after);
+    if (s->source && status == HK_OK) status = s->source(s->source_context, s->step[i].t + s->step[i].h, after, w->L);
     depart(w, &s->step[i]);
     for (size_t k = s->method->count; k-- > 0 && status == HK_OK;) status = stage_of(w, &s->step[i], k);
   }
@@ -104,6 +106,7 @@ static hk_status all_steps(adjoint *w, double *X) {
     status = segment_of(w, begin, end);
     end = begin;
   }
+  if (s->source && status == HK_OK) status = s->source(s->source_context, s->steps ? s->step[0].t : 0, s->start, w->L);
   memcpy(X, w->L, 6 * s->n * sizeof *X);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     hk_sensitivity_start(&w->by[j], s->n, w->dX);
@@ -130,6 +133,6 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *s, double *X, const hk_varied *
   w.segment = memory + (6 + s->method->count) * v;
   hk_status status = all_steps(&w, X);
   free(memory);
-  if (status != HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
+  if (status != HK_OK && !*error->text) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;
 }

@@ -48,22 +48,28 @@ typedef struct hk_varied {
   const hk_knots *knots;
 } hk_varied;
 
+/* Adds to L, 6n, the derivatives by x and v of what a number takes from the state X at t: at the start and at the end
+ * of every step, the last one first. A failure ends the adjoint with it. */
+typedef hk_status hk_adjoint_source(void *context, double t, const double *X, double *L);
+
 typedef struct hk_sensitivity {
   hk_loop *loop;
   hk_dynamics *dynamics;
   const hk_stages_facet *method;
   size_t n, steps, room;
   hk_taken_step *step;
-  double reached;      /* s, the end of the last step */
-  bool no_memory;      /* for the list of steps */
-  hk_loop_hooks hooks; /* those of the run, which are called as before */
-  double *start;       /* x and v before the first step */
-  size_t stride;       /* a state is kept every so many steps */
-  hk_carried *kept;    /* before steps 0, stride, 2 stride, ... */
-  bool *exact;         /* one per force: its Jacobian is that of the force */
-  bool all_exact;      /* others are differentiated by differences, which have no transpose */
-  const char *inexact; /* label of one that is not */
-  double off;          /* by which part of its size the scene ends elsewhere where the steps are taken again */
+  double reached;            /* s, the end of the last step */
+  bool no_memory;            /* for the list of steps */
+  hk_loop_hooks hooks;       /* those of the run, which are called as before */
+  double *start;             /* x and v before the first step */
+  size_t stride;             /* a state is kept every so many steps */
+  hk_carried *kept;          /* before steps 0, stride, 2 stride, ... */
+  bool *exact;               /* one per force: its Jacobian is that of the force */
+  bool all_exact;            /* others are differentiated by differences, which have no transpose */
+  const char *inexact;       /* label of one that is not */
+  double off;                /* by which part of its size the scene ends elsewhere where the steps are taken again */
+  hk_adjoint_source *source; /* of a number that is no function of the last state alone: an integral; NULL: none */
+  void *source_context;
   hk_stage_point point[HK_MOST_STAGES];
   double *scratch; /* 15n, of products and differences; behind it the points */
 } hk_sensitivity;
@@ -93,6 +99,18 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *, const hk_varied *, size_t co
  * HK_FAILED: a force has no exact Jacobian. */
 hk_status hk_sensitivity_adjoint(hk_sensitivity *, double *X, const hk_varied *, size_t count, double *slope,
                                  hk_error *);
+
+/* ---- segment.c ---- */
+
+/* The steps first to last - 1 from X (6n) at the begin of the first, between two knots that follow each other. On
+ * return X is the state at their end; J, NULL: not wanted, has the derivatives of that by every number of X, and then
+ * by the values of every function of time at both knots: (6n + 2 controls) x 6n. A method that carries an acceleration
+ * over evaluates it anew at `first`: where forces depend on velocities that is not quite the run. */
+hk_status hk_sensitivity_segment(hk_sensitivity *, size_t first, size_t last, double *X, const hk_varied *,
+                                 size_t controls, double *J, hk_error *error);
+
+/* Adds the derivative by a function of time at t to those by its values at the knots beside. */
+void hk_knots_note(const hk_knots *, double t, double slope);
 
 /* ---- stages.c ---- */
 

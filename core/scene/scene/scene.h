@@ -12,6 +12,21 @@ typedef struct hk_measure {
   hk_function value; /* t -> one number; the script reads the state */
 } hk_measure;
 
+/* A parameter of the script that is a function of time, linear between values at equally spaced knots from 0 to
+ * `duration` and constant afterwards; whoever looks for its values keeps them within the bounds. */
+typedef struct hk_control {
+  char *name;
+  double duration, min, max; /* s; bounds of the values, -INFINITY and INFINITY: none */
+  size_t knots;
+  double *value; /* knots: those that the scene has now */
+} hk_control;
+
+typedef struct hk_goal { /* that a measure has a value at a time */
+  size_t measure;        /* which of the scene's */
+  double value, at;      /* s */
+  char *where;           /* the script's line */
+} hk_goal;
+
 /* The script's plugins of one kind, in its order. */
 typedef struct hk_specs {
   size_t count;
@@ -61,6 +76,10 @@ typedef struct hk_scene {
   bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
+  size_t controls, goals;
+  hk_control *control;
+  hk_goal *goal;
+  const char *cost;     /* the measure whose integral is to be least; NULL: that of the controls' squares */
   hk_function on_frame; /* t ->; call == NULL: none */
   hk_function exact;    /* t -> x1, y1, z1, x2, ...: exact positions of the first particles, m */
   bool trusted;         /* plugins may be files anywhere, and files be read from anywhere */
@@ -123,6 +142,15 @@ bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 
 hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
                                hk_error *error);
+
+/* ---- goal.c: what `hooke optimise` looks for ---- */
+
+/* Copies the control and its values, which have to be within its bounds. */
+hk_status hk_scene_add_control(hk_scene *, const hk_control *, hk_error *error);
+/* `at`: s, within the scene's duration. HK_BAD_PARAM: the measure has another goal at that time, or there is none of
+ * the name. */
+hk_status hk_scene_add_goal(hk_scene *, const char *measure, double value, double at, const char *where,
+                            hk_error *error);
 
 /* ---- bodies.c: what rigid bodies have beside particles ---- */
 

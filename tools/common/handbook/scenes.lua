@@ -77,6 +77,29 @@ accuracy | its own | - | which the verdict then checks]],
   { name = "scene:measure", form = "scene:measure(name, function(state) return number end)",
     text = "A figure of each frame, kept in measures.csv, the last one in the summary.",
     example = "local p = scene:particle {} scene:measure('height', function(s) return s:position(p)[3] end)" },
+  { name = "scene:control", form = "scene:control(name, { knots = 31 })", gives = "a function of time",
+    text = "A function of time that hooke optimise finds: linear between equally spaced knots, a parameter of the scene.",
+    takes = [[
+knots | - | required | how many values
+duration | s | the scene's | from 0 to where the knots go; afterwards it is constant
+start | its own | 0 | the first guess: a number, a list, or a function of time
+min | its own | none | the least value
+max | its own | none | the largest value
+help | - | - | what it is, and its unit]],
+    example = "local f = scene:control('push', { knots = 5 }) scene:force('field', { f = function(t) return f(t), 0, 0 end })" },
+  { name = "scene:goal", form = "scene:goal { measure = \"x\", value = 1 }",
+    text = "What hooke optimise brings about: a measure of the scene, or a particle's place and velocity, which become measures.",
+    takes = [[
+measure | - | - | the name of a measure
+value | its own | - | of that measure
+particle | - | - | in the place of a measure
+position | m | - | of that particle
+velocity | m/s | - | of that particle
+at | s | the end | when]],
+    example = "local p = scene:particle {} scene:goal { particle = p, position = { 1, 0, 0 }, velocity = { 0, 0, 0 } }" },
+  { name = "scene:cost", form = "scene:cost(function(state) return number end)",
+    text = "What hooke optimise makes least, integrated over the frames, in the place of the controls' squares.",
+    example = "local f = scene:control('push', { knots = 5 }) scene:cost(function(s) return f(s.t) ^ 2 end)" },
   { name = "scene:on_frame", form = "scene:on_frame(function(state) ... end)", text = "Is called at each frame.",
     example = "scene:on_frame(function(s) local t = s.t end)" },
   { name = "scene:exact", form = "scene:exact(function(t) return x1, y1, z1, x2, ... end)",

@@ -30,6 +30,26 @@ function cost.of(controls)
   return setmetatable(self, { __index = cost })
 end
 
+-- W of all controls, by columns.
+function cost.matrix(controls)
+  local W, at, n = {}, 0, 0
+  for _, control in ipairs(controls) do n = n + #control.values end
+  for i = 1, n do
+    W[i] = {}
+    for k = 1, n do W[i][k] = 0 end
+  end
+  for _, control in ipairs(controls) do
+    local count = #control.values
+    for k = at + 1, at + count - 1 do
+      local part = control.duration / (count - 1) / 6
+      W[k][k], W[k + 1][k + 1] = W[k][k] + 2 * part, W[k + 1][k + 1] + 2 * part
+      W[k][k + 1], W[k + 1][k] = part, part
+    end
+    at = at + count
+  end
+  return W
+end
+
 -- y = L^T u
 function cost:weighted(u)
   local y = {}
@@ -51,6 +71,34 @@ function cost:slope(slope)
   local s = {}
   for k = 1, #slope do s[k] = (slope[k] - (k > 1 and self.below[k] * s[k - 1] or 0)) / self.diagonal[k] end
   return s
+end
+
+-- The derivatives of u[k] by y, as they are at every y: a column of L^-1.
+function cost:row(k)
+  local unit = {}
+  for j = 1, #self.diagonal do unit[j] = j == k and 1 or 0 end
+  return self:slope(unit)
+end
+
+-- The bounds of the values of controls, { min =, max = }, for common/optimise/sqp.lua; nil: there are none.
+function cost:bounds(controls)
+  local low, high, any, rows = {}, {}, false, {}
+  for _, control in ipairs(controls) do
+    local min, max = control.min or -math.huge, control.max or math.huge
+    any = any or min > -math.huge or max < math.huge
+    for _ = 1, #control.values do low[#low + 1], high[#high + 1] = min, max end
+  end
+  if not any then return nil end
+  local function clip(y)
+    local u = self:values(y)
+    for k = 1, #u do u[k] = math.min(math.max(u[k], low[k]), high[k]) end
+    return self:weighted(u)
+  end
+  local function row(k)
+    rows[k] = rows[k] or self:row(k)
+    return table.move(rows[k], 1, #rows[k], 1, {})
+  end
+  return { low = low, high = high, clip = clip, row = row, values = function(y) return self:values(y) end }
 end
 
 return cost

@@ -17,6 +17,7 @@ function report.doubts(o, optimum)
   if optimum.ended ~= "converged" then
     list[1] = ("it ended after %s; goals that contradict each other or are out of reach cannot be met"):format(optimum.ended)
   end
+  if optimum.unrefined then list[#list + 1] = "with more knots: " .. optimum.unrefined end
   if optimum.replay.failed then
     list[#list + 1] = ("%s does not run to the end with these controls: %s"):format(o.independent, optimum.replay.failed)
   end
@@ -29,12 +30,27 @@ function report.doubts(o, optimum)
   return list
 end
 
+-- How much the optimum would fall with endlessly many knots: the last halving's change and what follows it, at an order of 2 at
+-- least; nil: it has not been refined.
+local function error_by_knots(optimum)
+  local levels = optimum.levels
+  if not levels or #levels < 2 then return nil end
+  return math.abs(levels[#levels].cost - levels[#levels - 1].cost) / 3
+end
+
+local function print_levels(optimum)
+  for _, level in ipairs(optimum.levels or {}) do print(("    %d knots: %.12g"):format(level.knots, level.cost)) end
+  local off = error_by_knots(optimum)
+  if off then print(("    its error by the knots is %.2g at most"):format(off)) end
+end
+
 local function print_optimum(o, k, optimum)
   print(("  optimum %d: %.12g after %d iterations, from %d of %d starts"):format(k, optimum.cost, optimum.iterations,
     optimum.starts, o.starts + 1))
+  print_levels(optimum)
   for g, goal in ipairs(o.goals) do
-    print(("    %-16s %14.9g  off by %10.2g, by %s %10.2g"):format(goal.name, goal.value, optimum.misses[g], o.independent,
-      optimum.replay.misses and optimum.replay.misses[g] or 0 / 0))
+    print(("    %-16s %14.9g at %.6g s, off by %10.2g, by %s %10.2g"):format(goal.name, goal.value, goal.at, optimum.misses[g],
+      o.independent, optimum.replay.misses and optimum.replay.misses[g] or 0 / 0))
   end
   for _, text in ipairs(optimum.doubts) do print("    not sure: " .. text) end
 end
@@ -47,10 +63,11 @@ local function json_text(o, optima)
       controls[j] = { name = control.name, duration = control.duration, values = control.values }
     end
     for g, goal in ipairs(o.goals) do
-      goals[g] = { name = goal.name, value = goal.value, off = plain(optimum.misses[g]),
+      goals[g] = { name = goal.name, value = goal.value, at = goal.at, off = plain(optimum.misses[g]),
         replayed_off = plain(optimum.replay.misses and optimum.replay.misses[g]) }
     end
-    list[k] = { cost = optimum.cost, iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
+    list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum),
+      iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
       goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
   end
   return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,
@@ -66,6 +83,13 @@ local function csv_text(controls)
     end
   end
   return table.concat(lines, "\n") .. "\n"
+end
+
+-- The controls of this moment, as texts that the scene can be run with: what is left of a search that is ended.
+function report.keep(o, controls)
+  for _, control in ipairs(controls) do
+    files.write(("%s/now-%s.txt"):format(o.out, control.name), derivative.control_text(control, 0) .. "\n")
+  end
 end
 
 local function draw(o, optima)
@@ -98,8 +122,8 @@ function report.write(o, optima)
     command_line.print_json(json_text(o, optima))
     return fine, why
   end
-  print(("%s: least integral of the squares of the controls, to t = %.9g s (%s, steps of %.4g s)"):format(
-    o.scene:match("([^/]+)$"), o.at, o.plugin, o.dt))
+  print(("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
+    and "cost" or "integral of the squares of the controls", o.at, o.plugin, o.dt))
   for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
   local first = optima[1].controls[1].name
   print(("run it: hooke run %s %s=\"$(cat %s/1-%s.txt)\""):format(o.scene, first, o.out, first))

@@ -1,23 +1,15 @@
--- The least |y|^2 with c(y) = 0: sequential quadratic programming with a damped BFGS matrix for the Lagrangian (Powell 1978;
--- Nocedal and Wright, Numerical Optimization, 18.3 and procedure 18.2), a line search on |y|^2 + r sum |c| (18.5) and a
--- correction of second order where the whole step fails (18.11). Where c is linear the first step is the optimum.
+-- The least cost(y) with c(y) = 0 and bounds of linear functions of y: sequential quadratic programming with a damped BFGS
+-- matrix for the Lagrangian (Powell 1978; Nocedal and Wright, Numerical Optimization, 18.3 and procedure 18.2), a line search on
+-- cost + r sum |c| (18.5) and a correction of second order where the whole step fails (18.11). Where the cost is |y|^2 and c
+-- linear the first step is the optimum.
 local linear = require("common.fit.linear")
+local quadratic = require("common.optimise.quadratic")
 
 local sqp = {}
+local add, times = quadratic.add, quadratic.times
 
 local most_halvings, most_corrections = 14, 4
-
-local function add(x, part, p)
-  local sum = {}
-  for k = 1, #x do sum[k] = x[k] + part * p[k] end
-  return sum
-end
-
-local function times(M, x)
-  local product = {}
-  for k = 1, #M do product[k] = linear.dot(M[k], x) end
-  return product
-end
+local bottomless = 1e12 -- a cost that has fallen by so much of what there was has no least value
 
 local function transposed_times(A, x, n)
   local product = {}
@@ -37,33 +29,12 @@ local function identity(n, value)
   return M
 end
 
--- x with S x = b for a small symmetric positive S, by Cholesky's factors; nil and the row that follows from those before.
-local function solve_small(S, b)
-  local n, L, x = #S, {}, {}
-  for i = 1, n do
-    L[i] = {}
-    for k = 1, i do
-      local sum = S[i][k]
-      for j = 1, k - 1 do sum = sum - L[i][j] * L[k][j] end
-      if i == k and (sum <= 1e-14 * S[i][i] or sum ~= sum) then return nil, i end
-      L[i][k] = i == k and math.sqrt(sum) or sum / L[k][k]
-    end
-  end
-  for i = 1, n do
-    x[i] = b[i]
-    for k = 1, i - 1 do x[i] = x[i] - L[i][k] * x[k] end
-    x[i] = x[i] / L[i][i]
-  end
-  for i = n, 1, -1 do
-    for k = i + 1, n do x[i] = x[i] - L[k][i] * x[k] end
-    x[i] = x[i] / L[i][i]
-  end
-  return x
-end
+local function length(x) return math.sqrt(linear.dot(x, x)) end
 
-local function sum_of_sizes(c)
+-- What is missing of the goals in `rows`, a list of their numbers.
+local function missing_of(c, rows)
   local sum = 0
-  for i = 1, #c do sum = sum + math.abs(c[i]) end
+  for _, i in ipairs(rows) do sum = sum + math.abs(c[i]) end
   return sum
 end
 
@@ -88,63 +59,56 @@ local function update(state, s, q)
   end
 end
 
--- The direction and the multipliers; or nil and why there is none.
-local function direction(state)
-  local y, A, c, n = state.y, state.A, state.c, #state.y
-  local gradient, S, right, BA = add(y, 1, y), {}, {}, {}
-  local Bg = times(state.B, gradient)
-  for i = 1, #A do BA[i] = times(state.B, A[i]) end
-  for i = 1, #A do
-    S[i], right[i] = {}, c[i] - linear.dot(A[i], Bg)
-    for k = 1, #A do S[i][k] = linear.dot(A[i], BA[k]) end
+-- The step of the quadratic program; where the bounds leave none, of one that asks for a part of what is missing.
+local function direction(state, problem)
+  local bounds, part = problem.bounds, 1
+  if bounds then bounds = setmetatable({ at = bounds.values(state.y) }, { __index = bounds }) end
+  for _ = 1, bounds and 6 or 1 do
+    local c = {}
+    for i = 1, #state.c do c[i] = part * state.c[i] end
+    local step, contradiction = quadratic.solve(state.B, state.slope, state.A, c, state.negligible, bounds)
+    state.contradiction, part = contradiction, part / 4
+    if step then return step end
   end
-  local multipliers, row = solve_small(S, right)
-  if not multipliers then return nil, row end
-  local p = add(Bg, 1, transposed_times(BA, multipliers, n))
-  for k = 1, n do p[k] = -p[k] end
-  state.S, state.BA = S, BA
-  state.slope = add(gradient, 1, transposed_times(A, multipliers, n)) -- of the Lagrangian
-  return p, multipliers
 end
-
-local function merit(y, c, penalty) return linear.dot(y, y) + penalty * sum_of_sizes(c) end
 
 -- The step that lowers the merit enough; nil: none does. Where the goals bend, what a step misses of them is taken back by
 -- steps of their own, with the present derivatives, before it is given up for a shorter one.
-local function search(state, p, penalty, evaluate)
-  local now, missing = merit(state.y, state.c, penalty), sum_of_sizes(state.c)
-  local fall = 2 * linear.dot(state.y, p) - penalty * missing
+local function search(state, step, penalty, problem)
+  local now, missing = state.cost, missing_of(state.c, step.kept)
+  local fall = linear.dot(state.slope, step.p) - penalty * missing
   local part = 1
   for _ = 1, most_halvings do
-    local y = add(state.y, part, p)
-    local enough, last = now + 1e-4 * part * fall + 1e-14 * math.abs(now), math.huge
+    local y = add(state.y, part, step.p)
+    local enough, last = now + penalty * missing + 1e-4 * part * fall + 1e-14 * math.abs(now), math.huge
     for _ = 0, most_corrections do
-      local there = evaluate(y, false)
-      local misses = there and sum_of_sizes(there.c) or math.huge
-      if there and merit(y, there.c, penalty) <= enough then return y end
-      local back = misses < last and solve_small(state.S, there.c)
+      local there = problem.evaluate(y, false)
+      local misses = there and missing_of(there.c, step.kept) or math.huge
+      if there and there.cost + penalty * misses <= enough then return y end
+      local back = misses < last and quadratic.back(step, there.c)
       if not back then break end
-      y, last = add(y, -1, transposed_times(state.BA, back, #y)), misses
+      y, last = add(y, -1, back), misses
+      if problem.bounds then y = problem.bounds.clip(y) end
     end
     part = part / 2
   end
 end
 
 -- How far from an optimum: the goals, and the Lagrangian's slope, each relative to y.
-local function is_optimal(state, tolerance)
-  local size, slope = math.sqrt(linear.dot(state.y, state.y)), math.sqrt(linear.dot(state.slope, state.slope))
-  return sum_of_sizes(state.c) <= tolerance * math.max(size, state.first)
-    and slope <= 2 * tolerance * math.max(size, 1e-3 * state.first)
+local function is_optimal(state, step, tolerance)
+  local size = length(state.y)
+  local slope = tolerance * (length(state.slope) + 2e-3 * state.first)
+  return missing_of(state.c, step.kept) <= tolerance * math.max(size, state.first) and length(step.slope) <= slope
 end
 
--- Scales every goal by how much of y it takes to change it by 1; nil and the goal that nothing changes.
+-- Scales every goal by how much of y it takes to change it by 1; of those that nothing changes by the largest of the others.
 local function scales(A)
-  local list = {}
+  local sizes, most, list = {}, 0, {}
   for i = 1, #A do
-    local size = math.sqrt(linear.dot(A[i], A[i]))
-    if size == 0 or size ~= size then return nil, i end
-    list[i] = 1 / size
+    sizes[i] = length(A[i])
+    most = math.max(most, sizes[i])
   end
+  for i = 1, #A do list[i] = 1 / (sizes[i] > 1e-12 * most and sizes[i] or most > 0 and most or 1) end
   return list
 end
 
@@ -155,21 +119,25 @@ local function weight_of(multipliers, before)
   return math.max(most, (before + most) / 2)
 end
 
--- The matrix of |y|^2 alone, plain: nothing has been learned of the goals' curvature.
+-- The matrix of the cost alone, plain: nothing has been learned of curvatures. That of |y|^2 is 2.
 local function begin_matrix(state, n) state.H, state.B, state.plain = identity(n, 2), identity(n, 0.5), true end
 
--- Goes to y, where c and A are those of `there`.
+-- Goes to y, where cost, slope, c and A are those of `there`.
 local function learn(state, y, there, multipliers)
-  local s = add(y, -1, state.y)
-  local q = add(add(s, 1, s), 1, transposed_times(there.A, multipliers, #y))
-  update(state, s, add(q, -1, transposed_times(state.A, multipliers, #y)))
-  state.y, state.c, state.A, state.plain = y, there.c, there.A, false
+  local n = #y
+  local q = add(add(there.slope, 1, transposed_times(there.A, multipliers, n)), -1,
+    add(state.slope, 1, transposed_times(state.A, multipliers, n)))
+  update(state, add(y, -1, state.y), q)
+  state.y, state.plain = y, false
+  state.cost, state.slope, state.c, state.A = there.cost, there.slope, there.c, there.A
 end
 
--- The evaluation with every goal scaled.
-local function scaled(evaluate, scale)
+-- The evaluation with every goal scaled; that at the start has been taken.
+local function scaled(evaluate, scale, first)
   return function(y, gradient)
-    local found, reason = evaluate(y, gradient)
+    local found, reason = first, nil
+    first = nil
+    if not found then found, reason = evaluate(y, gradient) end
     if not found then return nil, reason end
     for i = 1, #scale do
       found.c[i] = found.c[i] * scale[i]
@@ -180,36 +148,58 @@ local function scaled(evaluate, scale)
 end
 
 local function result(state, scale, iterations, ended)
-  local reach, size = {}, math.sqrt(linear.dot(state.y, state.y))
+  if state.contradiction then return nil, nil, state.contradiction end
+  local reach, size = {}, length(state.y)
   for i = 1, #scale do reach[i] = size / scale[i] end
-  return { y = state.y, cost = size * size, iterations = iterations, ended = ended, reach = reach }
+  return { y = state.y, cost = state.cost, iterations = iterations, ended = ended, reach = reach }
 end
 
--- options: start (y), evaluate(y, gradient) -> { c =, A = } or nil and why, most (iterations), tolerance, note(iteration,
--- cost, missing). Returns { y, cost, iterations, ended, reach }, reach: by how much y moves each number of c, about; or nil
--- and why; or nil, nil and the number of c that y cannot change apart from those before it.
-function sqp.minimise(options)
+local function begin(options)
   local first, why = options.evaluate(options.start, true)
   if not first then return nil, why end
-  local scale, row = scales(first.A)
-  if not scale then return nil, nil, row end
-  local evaluate, n, penalty = scaled(options.evaluate, scale), #options.start, 0
-  local state = evaluate(options.start, true)
-  state.y, state.first = options.start, sum_of_sizes(state.c)
-  begin_matrix(state, n)
+  local scale = scales(first.A)
+  local problem = { bounds = options.bounds, evaluate = scaled(options.evaluate, scale, first) }
+  local state = problem.evaluate(options.start, true)
+  state.y, state.first, state.negligible = options.start, 0, {}
+  for i = 1, #state.c do
+    state.first = state.first + math.abs(state.c[i])
+    state.negligible[i] = options.negligible and options.negligible[i] * scale[i] or 0
+  end
+  begin_matrix(state, #state.y)
+  return state, problem, scale
+end
+
+-- options: start (y), evaluate(y, gradient) -> { cost =, slope =, c =, A = } or nil and why, most (iterations), tolerance,
+-- negligible (of each number of c), note(iteration, cost, missing, y), bounds: { low =, high =, values(y) -> the numbers that have
+-- them, row(k) -> the k-th by y, clip(y) -> y within them }, or nil.
+-- Returns { y, cost, iterations, ended, reach }, reach: by how much y moves each number of c, about; or nil and why; or nil,
+-- nil and the contradiction { row =, others = }: a number of c that y cannot change apart from the others; others nil: that the
+-- bounds keep from 0.
+function sqp.minimise(options)
+  local state, problem, scale = begin(options)
+  if not state then return nil, problem end
+  local penalty, lowest, rows = 0, -bottomless * (1 + math.abs(state.cost)), {}
+  for i = 1, #state.c do rows[i] = i end
   for iteration = 1, options.most do
-    local p, multipliers = direction(state)
-    if not p then return nil, nil, multipliers end
-    if options.note then options.note(iteration, linear.dot(state.y, state.y), sum_of_sizes(state.c)) end
-    if is_optimal(state, options.tolerance) then return result(state, scale, iteration - 1, "converged") end
-    penalty = weight_of(multipliers, penalty)
-    local y = search(state, p, penalty, evaluate)
+    local step = direction(state, problem)
+    if options.note then options.note(iteration, state.cost, missing_of(state.c, rows), state.y) end
+    if not step then
+      local row = 1
+      for i = 2, #state.c do row = math.abs(state.c[i]) > math.abs(state.c[row]) and i or row end
+      return nil, nil, { row = row }
+    end
+    if is_optimal(state, step, options.tolerance) then
+      return result(state, scale, iteration - 1, "converged")
+    end
+    if state.cost < lowest then return nil, "the cost has no lower bound: it falls as far as controls are let" end
+    penalty = weight_of(step.multipliers, penalty)
+    local y = search(state, step, penalty, problem)
     if not y and state.plain then return result(state, scale, iteration, "a search without a way down") end
     if y then
-      local there, reason = evaluate(y, true)
+      local there, reason = problem.evaluate(y, true)
       if not there then return nil, reason end
-      learn(state, y, there, multipliers)
-    else begin_matrix(state, n) end
+      learn(state, y, there, step.multipliers)
+    else begin_matrix(state, #state.y) end
   end
   return result(state, scale, options.most, "as many iterations as --most")
 end

@@ -4,6 +4,8 @@ local case_process = require("common.run.case_process")
 local lfs = require("lfs")
 local process = require("process")
 
+local tool_runs = require("common.validate.tool_runs")
+
 local problems = {}
 
 local function folders_in(folder)
@@ -77,9 +79,8 @@ local function ask(case)
   return { answer = answer, work = work, seconds = process.clock() - begun }
 end
 
--- Asks many questions, `jobs` at a time. A question: { problem =, question = "describe" or "solve", argument =,
--- stand_in =, timeout = }. done(question, result) with result.failed or result.answer, .work and .seconds.
-function problems.ask(questions, jobs, done, tick)
+-- The questions to the problem itself, `jobs` at a time.
+local function ask_all(questions, jobs, done, tick)
   local k = 0
   case_process.each(jobs, function()
     k = k + 1
@@ -87,6 +88,42 @@ function problems.ask(questions, jobs, done, tick)
     return q and { scene = q.problem.path, question = q.question, argument = q.argument or {}, stand_in = q.stand_in,
       timeout = q.timeout, execute = ask, asked = q }
   end, function(case, result) done(case.asked, result) end, tick)
+end
+
+-- Of the questions whose problems ask a command first: what it has found becomes at.found of the question.
+local function ask_commands(questions, jobs, done, tick)
+  local first, wanted = {}, {}
+  for k, q in ipairs(questions) do
+    first[k] = { problem = q.problem, question = "asks", argument = q.argument, timeout = q.timeout, whole = q }
+  end
+  ask_all(first, jobs, function(q, result)
+    if not result.answer then return done(q.whole, result) end
+    wanted[#wanted + 1] = { scene = q.problem.path, asks = result.answer, execute = tool_runs.execute, trust = true,
+      timeout = q.timeout, asked = q.whole }
+  end, tick)
+  local k, ready = 0, {}
+  case_process.each(jobs, function()
+    k = k + 1
+    return wanted[k]
+  end, function(case, result)
+    if not result.found then return done(case.asked, { failed = located(result.failed, case.scene) }) end
+    case.asked.argument.found = result.found
+    ready[#ready + 1] = case.asked
+  end, tick)
+  ask_all(ready, jobs, done, tick)
+end
+
+-- Asks many questions, `jobs` at a time. A question: { problem =, question = "describe" or "solve", argument =,
+-- stand_in =, timeout = }. done(question, result) with result.failed or result.answer, .work and .seconds.
+function problems.ask(questions, jobs, done, tick)
+  local plain, with_commands = {}, {}
+  for _, q in ipairs(questions) do
+    local d = q.question == "solve" and q.problem.description
+    local list = d and d.asks and with_commands or plain
+    list[#list + 1] = q
+  end
+  ask_all(plain, jobs, done, tick)
+  ask_commands(with_commands, jobs, done, tick)
 end
 
 return problems

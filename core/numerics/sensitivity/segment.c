@@ -1,0 +1,96 @@
+/* The steps between two knots as a map of its own: from any state, not that of the run, with its derivatives by that
+ * state and by the values of functions of time at the knots. What transcription makes its equations of (Bock and Plitt
+ * 1984). */
+#include "core/numerics/sensitivity/sensitivity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct segment {
+  hk_sensitivity *s;
+  const hk_varied *by;
+  size_t controls, columns, apart; /* 6n of the state, then two of every function of time; 9n numbers each */
+  double begin, end;               /* s, of the knots */
+  double *dZ, *stage, *a[HK_MOST_STAGES], *own;
+} segment;
+
+static void accelerations_of(const segment *w, size_t column, double *a[HK_MOST_STAGES]) {
+  for (size_t i = 0; i < w->s->method->count; i++) a[i] = w->a[i] + column * w->apart;
+}
+
+/* What the values at both knots do at the time of stage k. */
+static hk_status add_controls(segment *w, size_t k) {
+  const hk_stage_point *p = &w->s->point[k];
+  double part = (p->t - w->begin) / (w->end - w->begin);
+  size_t v = 3 * w->s->n;
+  hk_status status = HK_OK;
+  for (size_t j = 0; j < w->controls && status == HK_OK; j++) {
+    double *first = w->a[k] + (2 * v + 2 * j) * w->apart, *second = first + w->apart;
+    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->own);
+    for (size_t e = 0; e < v; e++) {
+      first[e] += (1 - part) * w->own[e];
+      second[e] += part * w->own[e];
+    }
+  }
+  return status;
+}
+
+static hk_status stage_of(segment *w, const hk_taken_step *step, size_t k) {
+  hk_sensitivity *s = w->s;
+  size_t v = 3 * s->n;
+  bool evaluates = hk_sensitivity_evaluates(s, step, k);
+  for (size_t j = 0; j < w->columns; j++) {
+    double *a[HK_MOST_STAGES], *dZ = w->dZ + j * w->apart;
+    accelerations_of(w, j, a);
+    if (!evaluates) memcpy(a[k], dZ + 2 * v, v * sizeof *dZ);
+    hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
+  }
+  if (!evaluates) return HK_OK;
+  hk_status status = hk_sensitivity_products(s, &s->point[k], w->columns, w->apart, w->stage, w->a[k]);
+  return status == HK_OK ? add_controls(w, k) : status;
+}
+
+static hk_status step_of(segment *w, const hk_taken_step *step, hk_carried *Z) {
+  hk_sensitivity *s = w->s;
+  hk_status status = hk_sensitivity_step(s, step, Z);
+  for (size_t k = 0; k < s->method->count && status == HK_OK && w->columns; k++) status = stage_of(w, step, k);
+  for (size_t j = 0; j < w->columns && status == HK_OK; j++) {
+    double *a[HK_MOST_STAGES];
+    accelerations_of(w, j, a);
+    hk_sensitivity_arrive(s, step, a, w->dZ + j * w->apart);
+  }
+  return status;
+}
+
+static hk_status all_steps(segment *w, size_t first, size_t last, hk_carried *Z) {
+  hk_status status = HK_OK;
+  for (size_t i = first; i < last && status == HK_OK; i++) {
+    hk_taken_step step = w->s->step[i];
+    step.fresh = step.fresh || i == first; /* nothing is carried over from another state */
+    status = step_of(w, &step, Z);
+  }
+  return status;
+}
+
+hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, double *X, const hk_varied *by,
+                                 size_t controls, double *J, hk_error *error) {
+  size_t v = 3 * s->n, size = 3 * v, columns = J ? 2 * v + 2 * controls : 0;
+  segment w = {.s = s, .by = by, .controls = controls, .columns = columns, .apart = size};
+  double *memory = calloc(size + (2 + s->method->count) * columns * size + v + 1, sizeof *memory);
+  if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
+  double *Z = memory;
+  w.dZ = Z + size;
+  w.stage = w.dZ + columns * size;
+  for (size_t k = 0; k < s->method->count; k++) w.a[k] = w.stage + (k + 1) * columns * size;
+  w.own = w.stage + (s->method->count + 1) * columns * size;
+  w.begin = s->step[first].t;
+  w.end = s->step[last - 1].t + s->step[last - 1].h;
+  memcpy(Z, X, 2 * v * sizeof *X);
+  for (size_t j = 0; j < 2 * v && columns; j++) w.dZ[j * size + j] = 1;
+  hk_status status = all_steps(&w, first, last, Z);
+  memcpy(X, Z, 2 * v * sizeof *X);
+  for (size_t j = 0; j < columns; j++) memcpy(J + j * 2 * v, w.dZ + j * size, 2 * v * sizeof *J);
+  free(memory);
+  if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
+  return status;
+}

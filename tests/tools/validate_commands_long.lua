@@ -1,0 +1,12 @@
+-- The problems of hooke validate that ask other commands: all quantities of the topics optimise and fit are within their
+-- tolerances.
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
+local folder = os.tmpname()
+os.remove(folder)
+for _, topic in ipairs { "optimise", "fit" } do
+  local pipe = io.popen(("%s/hooke validate %s --out %s --quiet 2>&1"):format(build, topic, folder))
+  local text = pipe:read("a")
+  local _, _, code = pipe:close()
+  assert(code == 0 and text:find("all within their tolerances", 1, true), text)
+end
+os.execute("rm -rf " .. folder)

@@ -1,0 +1,96 @@
+-- What an optimisation is asked for: goals and controls of the scene (scene:goal{}, scene:control()) and of the command line.
+local derivative = require("common.gradient.derivative")
+
+local asked = {}
+
+local function meant(wrong, names, otherwise)
+  local near = hooke.nearest(wrong, names)
+  return near and ("did you mean '%s'?"):format(near) or #names > 0 and "it has " .. table.concat(names, ", ") or otherwise
+end
+
+-- The goals of words "x=1,v=0"; or nil and what is wrong.
+function asked.goals(words)
+  local list, seen = {}, {}
+  for _, word in ipairs(words) do
+    for piece in (word .. ","):gmatch("([^,]*),") do
+      local name, text = piece:match("^%s*(.-)%s*=%s*(%S+)%s*$")
+      local value = tonumber(text)
+      if not value or value - value ~= 0 then return nil, ("--goal: '%s' is not MEASURE=NUMBER"):format(piece) end
+      if seen[name] then return nil, ("--goal: %s is there twice"):format(name) end
+      seen[name] = true
+      list[#list + 1] = { name = name, value = value }
+    end
+  end
+  return list
+end
+
+-- o.controls: those of the scene, or those of them that --by names; or nil and what is wrong.
+function asked.choose_controls(o, explained)
+  local list, names, wanted = {}, {}, nil
+  for _, word in ipairs(o.by) do
+    wanted = wanted or {}
+    for name in word:gmatch("[^,%s]+") do wanted[name] = true end
+  end
+  for k, control in ipairs(explained.controls) do
+    names[k] = control.name
+    if not wanted or wanted[control.name] then list[#list + 1] = control end
+    if wanted then wanted[control.name] = nil end
+    control.min = control.min == control.min and control.min or nil
+    control.max = control.max == control.max and control.max or nil
+  end
+  local unknown = wanted and next(wanted)
+  if unknown then
+    return nil, ("the scene has no control '%s'; %s"):format(unknown, meant(unknown, names, "it has none: scene:control(name, {})"))
+  end
+  if #list == 0 then return nil, "the scene has no control: scene:control(name, { knots = 31 })" end
+  if #list > derivative.most then
+    return nil, ("%d controls, and %d at a time are possible: --by"):format(#list, derivative.most)
+  end
+  for _, control in ipairs(list) do o.params[control.name] = nil end
+  o.controls = list
+  return true
+end
+
+-- o.goals: those of the command line at o.at, or those of the scene; o.at: when all is over. measures: at the start. Or nil and
+-- what is wrong.
+function asked.choose_goals(o, explained, measures)
+  if #o.goals > 0 then
+    for _, goal in ipairs(o.goals) do goal.at = o.at or explained.duration end
+  else o.goals = explained.goals end
+  o.cost = explained.cost
+  if #o.goals == 0 and not o.cost then
+    return nil, "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER"
+  end
+  local names, last = {}, 0
+  for name in pairs(measures) do names[#names + 1] = name end
+  table.sort(names)
+  for _, goal in ipairs(o.goals) do
+    local start = measures[goal.name]
+    if not start then
+      return nil, ("the scene has no measure '%s'; %s"):format(goal.name,
+        meant(goal.name, names, "it has none: scene:measure(name, function)"))
+    end
+    goal.scale, last = math.max(math.abs(start), math.abs(goal.value - start)), math.max(last, goal.at)
+  end
+  o.at = last > 0 and last or o.at or explained.duration
+  return true
+end
+
+local function goal_words(goal) return ("'%s' = %.9g at %.9g s"):format(goal.name, goal.value, goal.at) end
+
+-- Why goals cannot be met, of { row =, others = } (common/optimise/sqp.lua).
+function asked.contradiction(o, found)
+  local goal = o.goals[found.row]
+  if not found.others then
+    return ("the goal %s cannot be met within the bounds of the controls: wider bounds, or more time"):format(goal_words(goal))
+  end
+  if #found.others == 0 then
+    return ("the goal %s cannot be met: the controls do not change it; leave it out, or add a control that does"):format(goal_words(goal))
+  end
+  local list = {}
+  for k, row in ipairs(found.others) do list[k] = goal_words(o.goals[row]) end
+  return ("the goal %s cannot be met beside %s: what changes it changes these, too, by another part; leave one out"):format(
+    goal_words(goal), table.concat(list, ", "))
+end
+
+return asked

@@ -1,0 +1,173 @@
+-- The step p of a quadratic program: least g.p + p.H p/2 with A p = -c and bounds of linear functions of p. Equations by
+-- Schur's complement, bounds by the dual method of Goldfarb and Idnani (Math. Programming 27, 1983), which begins at the least
+-- without them, adds the bound that is violated most, and knows when none can be kept.
+local linear = require("common.fit.linear")
+
+local quadratic = {}
+
+local dependent = 1e-13 -- of the square of a row: what is left of it beside those before
+
+function quadratic.times(M, x)
+  local product = {}
+  for k = 1, #M do product[k] = linear.dot(M[k], x) end
+  return product
+end
+
+-- x + part y
+function quadratic.add(x, part, y)
+  local sum = {}
+  for k = 1, #x do sum[k] = x[k] + part * y[k] end
+  return sum
+end
+
+local function triangles(L, b)
+  local n, x = #b, {}
+  for i = 1, n do
+    x[i] = b[i]
+    for k = 1, i - 1 do x[i] = x[i] - L[i][k] * x[k] end
+    x[i] = x[i] / L[i][i]
+  end
+  for i = n, 1, -1 do
+    for k = i + 1, n do x[i] = x[i] - L[k][i] * x[k] end
+    x[i] = x[i] / L[i][i]
+  end
+  return x
+end
+
+-- A set of rows with Cholesky's factors of their products rows B rows^T.
+local function new_set(B) return { B = B, rows = {}, images = {}, L = {} } end
+
+-- Adds a row; or false and the parts of the rows before that it consists of.
+local function include(set, row)
+  local n, image, line, products = #set.rows, quadratic.times(set.B, row), {}, {}
+  local whole = linear.dot(row, image)
+  local rest = whole
+  for i = 1, n do
+    products[i] = linear.dot(set.rows[i], image)
+    line[i] = products[i]
+    for k = 1, i - 1 do line[i] = line[i] - set.L[i][k] * line[k] end
+    line[i] = line[i] / set.L[i][i]
+    rest = rest - line[i] ^ 2
+  end
+  if rest <= dependent * whole or rest ~= rest then return false, triangles(set.L, products) end
+  line[n + 1] = math.sqrt(rest)
+  set.rows[n + 1], set.images[n + 1], set.L[n + 1] = row, image, line
+  return true
+end
+
+local function without(set, j)
+  local left = new_set(set.B)
+  for i, row in ipairs(set.rows) do
+    if i ~= j then include(left, row) end
+  end
+  return left
+end
+
+-- Of the rows A those that do not follow from others before them: their numbers, and a contradiction { row, others } where
+-- one that follows asks for something else; negligible[i]: of c[i], as good as zero.
+local function independent(B, A, c, negligible)
+  local set, kept, contradiction = new_set(B), {}, nil
+  for i = 1, #A do
+    local fine, parts = include(set, A[i])
+    if fine then kept[#kept + 1] = i else
+      local off, size, others = c[i], math.abs(c[i]), {}
+      for k, part in ipairs(parts) do
+        off, size = off - part * c[kept[k]], size + math.abs(part * c[kept[k]])
+        if math.abs(part) > 1e-6 then others[#others + 1] = kept[k] end
+      end
+      if math.abs(off) > math.max(negligible[i], 1e-7 * size) then contradiction = contradiction or { row = i, others = others } end
+    end
+  end
+  return set, kept, contradiction
+end
+
+-- The bound that p violates most: which, the side (1: the lower one), and by how much; nil: none.
+local function worst_of(bounds, p)
+  local move, worst, which, side = bounds.values(p), 0, nil, nil
+  for k, u in ipairs(bounds.at) do
+    local low, high = bounds.low[k] - (u + move[k]), u + move[k] - bounds.high[k]
+    local size = math.max(math.abs(bounds.low[k]), math.abs(bounds.high[k]))
+    local margin = 1e-12 * (size < math.huge and size or 1)
+    if low - margin > worst then worst, which, side = low, k, 1 end
+    if high - margin > worst then worst, which, side = high, k, -1 end
+  end
+  return which, side, worst
+end
+
+-- How far the multipliers of the set's bounds can go before one of them changes its sign, and of which row.
+local function room_of(step, rows_change, goals)
+  local room, which = math.huge, nil
+  for i = goals + 1, #rows_change do
+    if rows_change[i] > 0 and step.weight[i] / rows_change[i] < room then
+      room, which = step.weight[i] / rows_change[i], i
+    end
+  end
+  return room, which
+end
+
+-- Takes the violated bound into the set, dropping others on the way; false: no p keeps all.
+local function take_bound(step, bounds, k, side, goals)
+  local row, own = bounds.row(k), 0
+  for e = 1, #row do row[e] = side * row[e] end
+  while true do
+    local image, products = quadratic.times(step.set.B, row), {}
+    for i, other in ipairs(step.set.images) do products[i] = linear.dot(other, row) end
+    local change = triangles(step.set.L, products)
+    local z = image
+    for i, other in ipairs(step.set.images) do z = quadratic.add(z, -change[i], other) end
+    local slope, u = linear.dot(z, row), bounds.at[k] + bounds.values(step.p)[k]
+    local missing = side > 0 and bounds.low[k] - u or u - bounds.high[k]
+    local whole = slope > dependent * linear.dot(row, image) and missing / slope or math.huge
+    local room, drop = room_of(step, change, goals)
+    local length = math.min(whole, room)
+    if length == math.huge then return false end
+    if whole < math.huge then step.p = quadratic.add(step.p, length, z) end
+    for i = 1, #change do step.weight[i] = step.weight[i] - length * change[i] end
+    own = own + length
+    if length == whole then
+      if not include(step.set, row) then return false end
+      step.weight[#step.set.rows] = own
+      return true
+    end
+    step.set = without(step.set, drop)
+    table.remove(step.weight, drop)
+  end
+end
+
+-- B: the inverse of H. bounds: nil, or { at = u, low =, high =, values(p) -> changes of u, row(k) -> their row }.
+-- Returns { p, multipliers (of A: H p + g + A^T m + the bounds' = 0), kept (rows of A), set, slope = g + A^T m + the bounds' },
+-- and a contradiction among the rows or nil; or nil where no p keeps the bounds.
+function quadratic.solve(B, g, A, c, negligible, bounds)
+  local set, kept, contradiction = independent(B, A, c, negligible)
+  local Bg, right, goals = quadratic.times(B, g), {}, #kept
+  for i = 1, goals do right[i] = linear.dot(set.rows[i], Bg) - c[kept[i]] end
+  local step = { set = set, kept = kept, weight = triangles(set.L, right) }
+  step.p = quadratic.add(Bg, -2, Bg) -- -B g
+  for i = 1, goals do step.p = quadratic.add(step.p, step.weight[i], set.images[i]) end
+  for _ = 1, bounds and 20 * #g or 0 do
+    local k, side = worst_of(bounds, step.p)
+    if not k then break end
+    if not take_bound(step, bounds, k, side, goals) then return nil, contradiction end
+  end
+  step.multipliers, step.slope = {}, g
+  for i = 1, #A do step.multipliers[i] = 0 end
+  for i, row in ipairs(step.set.rows) do
+    if i <= goals then step.multipliers[kept[i]] = -step.weight[i] end
+    step.slope = quadratic.add(step.slope, -step.weight[i], row)
+  end
+  return step, contradiction
+end
+
+-- The least change by which the rows of the step's set change by `by`: of goals; bounds that are met stay met.
+function quadratic.back(step, by)
+  local right = {}
+  for i = 1, #step.set.rows do right[i] = i <= #step.kept and by[step.kept[i]] or 0 end
+  local weight, change = triangles(step.set.L, right), nil
+  for i, image in ipairs(step.set.images) do
+    change = change or quadratic.add(image, -1, image)
+    change = quadratic.add(change, weight[i], image)
+  end
+  return change
+end
+
+return quadratic

@@ -1,0 +1,235 @@
+-- The search for optima: from the scene's own controls and from random ones, each again by an independent method, the best with
+-- more knots.
+local asked = require("common.optimise.asked")
+local cost = require("common.optimise.cost")
+local evaluation = require("common.optimise.evaluation")
+local progress = require("common.run.progress")
+local segments = require("common.optimise.segments")
+local sqp = require("common.optimise.sqp")
+local starts = require("common.optimise.starts")
+local transcription = require("common.optimise.transcription")
+
+local search = {}
+
+local same_cost = 1e-5 -- relative: optima of several starts that are one
+
+-- The controls with these values, one after the other.
+local function with_values(controls, u)
+  local list, at = {}, 0
+  for j, control in ipairs(controls) do
+    list[j] = { name = control.name, duration = control.duration, min = control.min, max = control.max,
+      values = table.move(u, at + 1, at + #control.values, 1, {}) }
+    at = at + #control.values
+  end
+  return list
+end
+
+local function values_of(controls)
+  local u = {}
+  for _, control in ipairs(controls) do table.move(control.values, 1, #control.values, #u + 1, u) end
+  return u
+end
+
+local function evaluate(o, controls, u, changes)
+  local words = ("%s %s %s"):format(changes.gradient, changes.careful, changes.integrator or o.dt)
+  return o.memory:recall(words, u, function()
+    local case = { parameters = with_values(controls, u) }
+    for _, key in ipairs { "scene", "params", "goals", "at", "cost", "fps", "integrator", "dt", "tol", "trust", "without" } do
+      case[key] = o[key]
+    end
+    for key, value in pairs(changes) do case[key] = value end
+    return evaluation.take(case)
+  end)
+end
+
+-- What sqp asks for at y: the effort |y|^2, or the scene's own cost.
+local function shown(o, y, weight, found, gradient)
+  local there = { c = table.move(found.misses, 1, #found.misses, 1, {}), A = {} }
+  there.cost, there.slope = found.cost, found.cost_slopes and weight:slope(found.cost_slopes)
+  if not o.cost then
+    there.cost, there.slope = 0, {}
+    for k = 1, #y do there.cost, there.slope[k] = there.cost + y[k] ^ 2, 2 * y[k] end
+  end
+  for g, slope in ipairs(gradient and found.slopes or {}) do there.A[g] = weight:slope(slope) end
+  return there
+end
+
+-- ---- by transcription ----
+
+-- Every goal with the knot at which it is; or nil and why transcription cannot take these.
+local function goals_at_knots(o, controls)
+  local first, list = controls[1], {}
+  if o.cost then return nil, "--way transcription: the cost is the controls' squares; scene:cost() is for shooting" end
+  for _, control in ipairs(controls) do
+    if #control.values ~= #first.values or control.duration ~= first.duration then
+      return nil, ("--way transcription: %s and %s need the same knots"):format(first.name, control.name)
+    end
+  end
+  if first.duration > o.at then
+    return nil, ("--way transcription: %s goes on to %.9g s, after the last goal at %.9g s"):format(first.name, first.duration, o.at)
+  end
+  for g, goal in ipairs(o.goals) do
+    local place = goal.at / first.duration * (#first.values - 1)
+    local knot = math.floor(place + 0.5)
+    if math.abs(place - knot) > 1e-6 or knot > #first.values - 1 then
+      return nil, ("--way transcription: the goal '%s' is at %.9g s, and no knot is"):format(goal.name, goal.at)
+    end
+    list[g] = { name = goal.name, value = goal.value, at = goal.at, knot = knot + 1 }
+  end
+  return list
+end
+
+local function bounds_of(controls)
+  local bounds, at = cost.of(controls):bounds(controls), 0
+  if not bounds then return nil end
+  for _, control in ipairs(controls) do at = at + #control.values end
+  return { low = bounds.low, high = bounds.high, values = function(p) return p end, row = function(k)
+    local row = {}
+    for j = 1, at do row[j] = j == k and 1 or 0 end
+    return row
+  end }
+end
+
+-- As optimum_from below.
+local function transcribed(o, controls, u, note, negligible)
+  local goals, why = goals_at_knots(o, controls)
+  if not goals then return nil, why end
+  local function shoot(values, nodes, weights)
+    local case = { parameters = with_values(controls, values), goals = goals, nodes = nodes, weights = weights or nil,
+      gradient = weights ~= false and nodes ~= nil }
+    for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+    local found = segments.take(case)
+    if found.failed then return nil, found.failed end
+    o.dt = o.dt or found.dt
+    return found
+  end
+  local optimum, contradiction
+  optimum, why, contradiction = transcription.minimise { start = u, W = cost.matrix(controls), knots = #controls[1].values,
+    controls = #controls, goals = goals, negligible = negligible, bounds = bounds_of(controls), most = o.most,
+    tolerance = o.tolerance, evaluate = shoot, note = function(iteration, now, missing, values)
+      note(iteration, now, missing)
+      o.keep(with_values(controls, values))
+    end }
+  if contradiction then why = asked.contradiction(o, contradiction) end
+  if not optimum then return nil, why end
+  local found = evaluate(o, controls, optimum.u, { gradient = false })
+  if found.failed then return nil, found.failed end
+  optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
+  return optimum
+end
+
+-- An optimum from controls with the values u; or nil and why there is none.
+local function optimum_from(o, controls, u, note)
+  local weight, last, negligible = cost.of(controls), nil, {}
+  local function measured(y, gradient)
+    local found = evaluate(o, controls, weight:values(y), { gradient = gradient, careful = not o.tried })
+    if found.failed then return nil, found.failed end
+    o.tried, o.dt = o.tried or gradient, o.dt or found.dt
+    last = gradient and found.misses or last
+    return shown(o, y, weight, found, gradient)
+  end
+  for g, goal in ipairs(o.goals) do negligible[g] = 1e-12 * math.max(goal.scale, math.abs(goal.value)) end
+  if o.way == "transcription" then return transcribed(o, controls, u, note, negligible) end
+  local optimum, why, contradiction = sqp.minimise { start = weight:weighted(u), evaluate = measured, most = o.most,
+    tolerance = o.tolerance, negligible = negligible, bounds = weight:bounds(controls),
+    note = function(iteration, now, missing, y)
+      note(iteration, now, missing)
+      o.keep(with_values(controls, weight:values(y)))
+    end }
+  if contradiction then why = asked.contradiction(o, contradiction) end
+  if not optimum then return nil, why end
+  optimum.misses, optimum.controls = last, with_values(controls, weight:values(optimum.y))
+  return optimum
+end
+
+local function same(a, b)
+  return a.ended == b.ended and math.abs(a.cost - b.cost) <= same_cost * math.max(math.abs(a.cost), math.abs(b.cost))
+end
+
+-- Guesses are as large as the first optimum, or 1 where there is none.
+local function size_of(optimum)
+  if not optimum then return 1 end
+  local most = 0
+  for _, value in ipairs(values_of(optimum.controls)) do most = math.max(most, math.abs(value)) end
+  return most > 0 and most or 1
+end
+
+local function within_bounds(controls, u)
+  local at = 0
+  for _, control in ipairs(controls) do
+    for _ = 1, #control.values do
+      at = at + 1
+      u[at] = math.min(math.max(u[at], control.min or -math.huge), control.max or math.huge)
+    end
+  end
+  return u
+end
+
+-- The controls with a knot more in every interval.
+local function refined(controls)
+  local list = {}
+  for j, control in ipairs(controls) do
+    local values = {}
+    for k, value in ipairs(control.values) do
+      if k > 1 then values[#values + 1] = (control.values[k - 1] + value) / 2 end
+      values[#values + 1] = value
+    end
+    list[j] = { name = control.name, duration = control.duration, min = control.min, max = control.max, values = values }
+  end
+  return list
+end
+
+-- The optimum with more knots, o.refine times; levels: the costs, the first with the scene's own.
+local function with_more_knots(o, optimum, bar)
+  local levels = { { knots = #optimum.controls[1].values, cost = optimum.cost } }
+  for level = 1, o.refine do
+    local controls = refined(optimum.controls)
+    local finer, why = optimum_from(o, controls, values_of(controls), function(iteration, now)
+      bar:add { note = ("knots %d times closer, iteration %d, cost %.6g"):format(2 ^ level, iteration, now) }
+    end)
+    if not finer then
+      optimum.unrefined = why
+      break
+    end
+    finer.starts = optimum.starts
+    optimum = finer
+    levels[#levels + 1] = { knots = #controls[1].values, cost = finer.cost }
+  end
+  optimum.levels = levels
+  return optimum
+end
+
+-- The optima, the cheapest first, those that are none last; or nil and why the first start fails.
+function search.optima(o)
+  local optima, first, why = {}, nil, nil
+  local bar = progress.new { what = "optimise", quiet = o.quiet }
+  for k = 1, o.starts + 1 do
+    local u = k == 1 and values_of(o.controls) or within_bounds(o.controls, starts.random(o.controls, k, size_of(first)))
+    local optimum, reason = optimum_from(o, o.controls, u, function(iteration, now, missing)
+      bar:add { note = ("start %d of %d, iteration %d, cost %.6g, missing %.2g"):format(k, o.starts + 1, iteration, now, missing) }
+    end)
+    first, why = first or optimum, why or reason
+    local known
+    for _, other in ipairs(optima) do known = known or optimum and same(other, optimum) and other end
+    if known then known.starts = known.starts + 1
+    elseif optimum then
+      optimum.starts = 1
+      optima[#optima + 1] = optimum
+    end
+  end
+  table.sort(optima, function(a, b)
+    if (a.ended == "converged") ~= (b.ended == "converged") then return a.ended == "converged" end
+    return a.cost < b.cost
+  end)
+  if #optima > 0 and o.refine > 0 then optima[1] = with_more_knots(o, optima[1], bar) end
+  bar:finish()
+  if #optima == 0 then return nil, why end
+  return optima
+end
+
+-- What an independent method, which chooses its steps, makes of an optimum.
+function search.replay(o, optimum, independent, tolerance)
+  optimum.replay = evaluate(o, optimum.controls, values_of(optimum.controls), { integrator = independent, tol = tolerance, dt = false })
+end
+
+return search
