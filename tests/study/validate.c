@@ -1,5 +1,5 @@
 /* All problems with known answers at all of their levels, with the page and the figures in out/validate: what `make
- * test` does with coarse levels only (tests/tools/validate_quick.c). Arguments: those of `hooke validate`. Returns its
+ * test` does with coarse levels only (tests/tools/validate_quick.c, validate_quick_long.c). Arguments: those of `hooke validate`. Returns its
  * exit code, 5 where an answer or an order is wrong. */
 #include <stdio.h>
 #include <stdlib.h>

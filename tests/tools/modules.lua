@@ -1,7 +1,9 @@
 -- What lies in the working folder, beside the scene or in folders that the environment names is no code of a tool's: every
 -- command (the list is tools/*.lua) runs where a Lua file and a shared object of each module's name, programs, settings of
 -- gnuplot and a three.js are planted, and none of them is loaded.
+-- The handbook, whose lessons are runs, is left to modules_long.lua.
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
+local whole = ...
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 local files = require("files")
 
@@ -134,7 +136,7 @@ local more = {
   bench = { scene .. " --budget 0.5 --out out/bench --integrators leapfrog,rk4" },
   check = { build .. "/plugins/forces/drag.so --only loaded" },
   convert = { "out/run --to csv" },
-  docs = { "out/handbook --no-pictures --quiet" },
+  docs = { "--annotations out/hooke.lua --quiet", "--manual out/hooke.7", whole and "out/handbook --no-pictures --quiet" },
   explain = { scene, scene .. " --cost --out out/cost" },
   gallery = { "../scenes/list.lua --out out/gallery" },
   help = { "springs" },

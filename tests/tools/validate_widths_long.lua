@@ -1,7 +1,7 @@
 -- Every problem of scripts/validation at its coarse levels with vectors of 2, 4 and 8 doubles, as far as this processor has
 -- them: the answers are within their tolerances on other machines, too.
 local build = assert(os.getenv("HK_BUILD"))
-if build:find("sanitize") then -- what sanitizers see does not depend on the width, and validate_quick.c is run under them
+if build:find("sanitize") then -- what sanitizers see does not depend on the width, and validate_quick_long.c is run under them
   print("skipped: under sanitizers")
   os.exit(77)
 end

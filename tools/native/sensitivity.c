@@ -1,5 +1,5 @@
 /* sensitivity: the derivatives of a scene's measure by parameters, for `hooke gradient`. */
-#include "tools/native/common/sensitivity_record.h"
+#include "tools/native/gradients/sensitivity_record.h"
 
 #include <lauxlib.h>
 #include <stdlib.h>

@@ -519,7 +519,7 @@ static void a_stack_at_rest_stays(void **state) {
   fall(&t);
   add_contact(&t, "contact", 0, 0.3);
   test_run(&t);
-  test_advance(&t, 0.2);
+  test_advance(&t, 0.05);
   hk_summary s = summary_of(&t);
   momenta m = momenta_of(&t);
   print_message("stack: kinetic %.1e J, least gap %.1e m, drift %.1e\n", m.kinetic, s.closest, s.energy_drift);

@@ -1,3 +1,3 @@
--- Some of the runs of allocations_long.lua: every 131st allocation of each. See tests/support/allocations/run.lua.
+-- Some of the runs of allocations_long.lua: every 263rd allocation of each. See tests/support/allocations/run.lua.
 package.path = assert(os.getenv("HK_ROOT")) .. "/tests/support/?.lua;" .. package.path
-os.exit(require("allocations.run")(131))
+os.exit(require("allocations.run")(263))

@@ -176,7 +176,7 @@ static void threads_leave_no_trace(void **state) {
     for (size_t k = 0; k < sizeof threads / sizeof *threads; k++) {
       test_engine e;
       open_net(&e, threads[k], methods[m]);
-      test_advance(&e, 8e-4);
+      test_advance(&e, 4e-4);
       size_t bytes = e.run->state.size * sizeof *X;
       if (!X) X = memcpy(malloc(bytes), e.run->state.X, bytes);
       assert_memory_equal(X, e.run->state.X, bytes);

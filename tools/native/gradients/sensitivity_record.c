@@ -1,5 +1,5 @@
 /* A record of steps as Lua holds it, and the scene's measures in states that are not the run's. */
-#include "tools/native/common/sensitivity_record.h"
+#include "tools/native/gradients/sensitivity_record.h"
 
 #include <lauxlib.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The verdict on random scenes (tests/adversary): 60 runs, of which none may be called ok and be beyond its accuracy.
  * Before that, the reference against closed forms, and the harness against an error of known size. The seed can be
- * given: build/tests/physics/all adversary SEED. `make study` does more of it (tests/study/adversary.c). */
+ * given: build/tests/physics/all adversary_long SEED. `make study` does more of it (tests/study/adversary.c). */
 #include "tests/adversary/build.h"
 #include "tests/support/command.h"
 

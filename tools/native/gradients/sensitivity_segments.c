@@ -1,6 +1,6 @@
 /* Of a record the steps between two knots, from states that are not the run's, and measures there: for `hooke
  * optimise`. */
-#include "tools/native/common/sensitivity_record.h"
+#include "tools/native/gradients/sensitivity_record.h"
 
 #include <lauxlib.h>
 
