@@ -213,7 +213,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
                       p->viscosity_of ? "one, and those of `viscosity_of`" : "none");
   hk_status status = HK_OK;
   if (p->viscosity_of)
-    status = hk_find_published(host, view->model, p->viscosity_of, "local_viscosity", "viscosity_of", &p->viscosities);
+    status =
+        hk_find_published(host, view->model, p->viscosity_of, "local_viscosity", "viscosity_of", true, &p->viscosities);
   return status == HK_OK ? hk_sph_open(&p->common, host, view) : status;
 }
 

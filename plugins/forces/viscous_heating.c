@@ -37,7 +37,8 @@ static hk_status rates(void *self, const hk_view *view, double *dy) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   viscous_heating *s = self;
   hk_status status = hk_heat_channel_find(&s->heat, host, view->model);
-  if (status == HK_OK) status = hk_find_published(host, view->model, s->label, "dissipation", "of", &s->dissipation);
+  if (status == HK_OK)
+    status = hk_find_published(host, view->model, s->label, "dissipation", "of", false, &s->dissipation);
   return status;
 }
 

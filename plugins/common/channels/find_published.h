@@ -7,12 +7,19 @@
 #include <string.h>
 
 /* *found: the numbers, one for each particle, that the plugin with the label publishes by the name `field`, for the
- * parameter `wanted_by`; valid as long as the run. */
+ * parameter `wanted_by`; valid as long as the run. `now`: a force wants those of a force at this evaluation, so that it
+ * has to stand behind it; else they may be those of the last step. */
 static inline hk_status hk_find_published(const hk_host *host, const hk_model *model, const char *label,
-                                          const char *field, const char *wanted_by, const double *const **found) {
+                                          const char *field, const char *wanted_by, bool now,
+                                          const double *const **found) {
   for (size_t k = 0; k < model->publications; k++) {
     const hk_publication *p = &model->published[k];
     if (strcmp(p->label, label) != 0 || strcmp(p->name, field) != 0 || p->width != 1) continue;
+    if (now && !*p->values) /* it is not there yet */
+      return host->fail(host, HK_BAD_PARAM,
+                        "%s: '%s' stands behind this in the scene, so that its %s is that of an earlier evaluation: "
+                        "put it in front of this",
+                        wanted_by, label, field);
     *found = p->values;
     return HK_OK;
   }

@@ -11,7 +11,7 @@ hk_status hk_cell_viscosity_open(const hk_host *host, const hk_model *model, con
                       constant, label);
   *cell = host->allocate(host, size * sizeof **cell);
   if (!*cell) return host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", size);
-  return hk_find_published(host, model, label, "local_viscosity", "viscosity_of", values);
+  return hk_find_published(host, model, label, "local_viscosity", "viscosity_of", false, values);
 }
 
 typedef struct task {

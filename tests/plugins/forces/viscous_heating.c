@@ -122,6 +122,12 @@ static void what_does_not_fit_is_refused(void **state) {
   test_number(&e, viscosity, "mu", 1);
   test_text(&e, viscosity, "viscosity_of", "melt");
   refuses(&e, "mu: there is one, and those of `viscosity_of`");
+  test_text(&e, between_particles(&e), "viscosity_of", "melt");
+  hk_plugin_spec *melt = test_plugin(&e, HK_FORCE, "melt");
+  test_text(&e, melt, "channel", "enthalpy");
+  test_number(&e, melt, "capacity", 1);
+  test_number(&e, melt, "viscosity", 1);
+  refuses(&e, "viscosity_of: 'melt' stands behind this in the scene");
 }
 
 int main(void) {
