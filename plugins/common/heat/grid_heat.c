@@ -46,7 +46,7 @@ static bool passes(const hk_grid_heat *s, int axis) {
  * where centres do not say how theta goes on. */
 static bool weigh(const hk_grid_heat *s, const double *x, size_t to[8], double weight[8]) {
   const hk_liquid_grid *g = &s->grid;
-  hk_liquid_place at;
+  hk_liquid_place at = {0};
   double f[3];
   hk_liquid_locate(g, x, &at);
   size_t corner = hk_liquid_corner(g, &at, 3, f);
