@@ -49,9 +49,8 @@ static const double slack = 0.01, left_by_sweeps = 1e-4, left_at_rest = 1e-12, l
 /* Of the thickness: what gaps between two faces may be off a plane, so that their corners stand for all. */
 static const double flat = 1e-5;
 
-/* Of the extent of a body: a radius that turns it. Of the distance at which bodies touch: an overlap that is none of a
- * thickness. */
-static const double turning = 0.1, overlapping = 0.1;
+/* Of the distance at which bodies touch: an overlap that is none of a thickness. */
+static const double overlapping = 0.1;
 
 /* Processor time so far, s, for benchmarks, which find it by the names of fields. */
 typedef struct contact_times {
@@ -118,38 +117,12 @@ static hk_status topology(void *self, const hk_view *view) {
   return status == HK_OK ? open_particles(s, view) : status;
 }
 
-/* m: how far apart the particles are that carry the rider. */
-static double extent_of(const hk_view *view, const hk_rider *r) {
-  double most = 0, d[3];
-  for (uint32_t k = 1; k < r->carriers; k++) {
-    hk_subtract(d, view->x + 3 * (size_t)r->carrier[k], view->x + 3 * (size_t)r->carrier[0]);
-    most = fmax(most, hk_length(d));
-  }
-  return most;
-}
-
-/* A point of a flat body or a rod with a radius that shows: it has no extent to turn it about. */
-static void warn_of_balls(const contact *s, const hk_view *view) {
-  const hk_model *m = view->model;
-  for (size_t k = 0; k < m->riders && s->base.params.friction > 0; k++) {
-    const hk_rider *r = &m->rider[k];
-    double radius = r->radius > 0 ? r->radius : s->base.params.radius;
-    if (!r->touches || r->carriers == 4 || !(radius > turning * extent_of(view, r))) continue;
-    s->base.host->warn(
-        s->base.host,
-        "a round point of a flat body or a rod is rubbed at its centre: particle %u, of the radius %g m, so that "
-        "friction does not turn it about what it has no extent across; give the body a thickness",
-        m->id[r->particle], radius);
-    return;
-  }
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
   hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
   if (status == HK_OK) status = hk_body_impacts_open(&s->bodies, host);
-  if (status == HK_OK) warn_of_balls(s, view);
+  if (status == HK_OK && s->base.params.friction > 0) hk_body_warn_of_arms(host, view, s->base.params.radius);
   return status == HK_OK ? open_particles(s, view) : status;
 }
 

@@ -11,6 +11,7 @@
  *
  * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
  * belongs into the step, as the force `penalty` has it. */
+#include "plugins/common/contact/bodies/body_arms.h"
 #include "plugins/common/obstacles/body_obstacles.h"
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
@@ -132,6 +133,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_motion_of(&s->obstacle.motion, s->history.item);
   status = check_start(s, view);
   if (status != HK_OK) return status;
+  if (s->obstacle.friction > 0) hk_body_warn_of_arms(host, view, s->obstacle.radius);
   s->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!s->all) return HK_FAILED;
   s->obstacle.edges = s->edges.count ? &s->edges : NULL;

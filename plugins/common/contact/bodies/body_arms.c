@@ -81,3 +81,31 @@ void hk_body_arms_carry(const uint32_t *carrier, const double *x_from, const dou
     for (int k = 0; k < 3; k++) v[3 * (size_t)carrier[c] + (size_t)k] = speed[k] + part[k];
   }
 }
+
+/* ---- what has none ---- */
+
+/* m: how far apart the particles are that carry the rider. */
+static double extent_of(const hk_view *view, const hk_rider *r) {
+  double most = 0, d[3];
+  for (uint32_t k = 1; k < r->carriers; k++) {
+    hk_subtract(d, view->x + 3 * (size_t)r->carrier[k], view->x + 3 * (size_t)r->carrier[0]);
+    most = fmax(most, hk_length(d));
+  }
+  return most;
+}
+
+void hk_body_warn_of_arms(const hk_host *host, const hk_view *view, double radius) {
+  static const double shows = 0.1; /* of the extent */
+  const hk_model *m = view->model;
+  for (size_t k = 0; k < m->riders; k++) {
+    const hk_rider *r = &m->rider[k];
+    double own = r->radius > 0 ? r->radius : radius;
+    if (!r->touches || r->carriers == 4 || !(own > shows * extent_of(view, r))) continue;
+    host->warn(
+        host,
+        "a round point of a flat body or a rod is rubbed at its centre: particle %u, of the radius %g m, so that "
+        "friction does not turn it about what it has no extent across; give the body a thickness",
+        m->id[r->particle], own);
+    return;
+  }
+}

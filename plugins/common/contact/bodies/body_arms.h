@@ -31,6 +31,9 @@ void hk_body_arms_carry(const uint32_t *carrier, const double *x_from, const dou
                         double *v);
 /* G += the part across n of the 3 x 3 matrix `sum`, by rows. */
 void hk_body_arms_across(const double sum[9], const double n[3], double G[9]);
+/* Of a point of a flat body or a rod with a radius that shows, which is its own or the one given (m): it has no extent
+ * to turn it about. */
+void hk_body_warn_of_arms(const hk_host *, const hk_view *, double radius);
 static inline bool hk_body_arms_any(const hk_body_arms *a) { return a->side[0].carrier || a->side[1].carrier; }
 
 #endif
