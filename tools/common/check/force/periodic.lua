@@ -35,7 +35,11 @@ local function takes_images(plugin, lines)
     size, subject = tried, subject or open(plugin, tried)
     if subject then break end
   end
-  if not subject then error(("it starts in no periodic box of up to %g m"):format(SIZES[#SIZES]), 0) end
+  if not subject then
+    local words = ("it starts in no periodic box of up to %g m"):format(SIZES[#SIZES])
+    if not plugin.scene then error(words, 0) end
+    return lines:note(("periodic boxes: %s, where it is without what %s has"):format(words, plugin.scene))
+  end
   local where = ("periodic box of %g m"):format(size)
   local x = inspect.state(subject).x
   local F = force_at(subject, x, function(at) return at end)
