@@ -12,6 +12,8 @@ if [ "$env" = "$folder/env" ]; then
   python3 -m venv "$env"
   "$env/bin/pip" install --quiet --disable-pip-version-check --retries 1 nbclient ipykernel matplotlib numpy 2>"$folder/log" ||
     { echo "skipped: pip gets no nbclient: $(tail -n 1 "$folder/log")"; exit 77; }
+  "$env/bin/python" -c 'import nbclient, ipykernel, matplotlib, numpy' 2>"$folder/log" ||
+    { echo "skipped: pip got not all of them: $(tail -n 1 "$folder/log")"; exit 77; }
 fi
 cd "$folder"
 cat >execute.py <<'PYTHON'
