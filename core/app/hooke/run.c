@@ -97,38 +97,36 @@ hooke_status hooke_write_state(hooke_run *run, const char *path) {
   return write_with(run, hk_run_write_state, "hooke_write_state", path);
 }
 
-const char *hooke_summary(hooke_run *run) {
-  if (!run || !run->run) return NULL;
+/* *text is anew what `write` writes of the run; NULL: there is no memory. */
+static const char *text_of(hooke_run *run, char **text, void (*write)(FILE *, hooke_run *)) {
   hooke_surroundings own;
-  hk_summary summary;
   size_t size;
   hooke_enter(&own);
-  free(run->summary);
-  run->summary = NULL;
-  FILE *file = open_memstream(&run->summary, &size);
+  free(*text);
+  *text = NULL;
+  FILE *file = open_memstream(text, &size);
   if (file) {
-    hk_run_summary(run->run, &summary);
-    hk_report_json(file, &summary);
+    write(file, run);
     fclose(file);
   }
   hooke_leave(&own);
-  return run->summary;
+  return *text;
 }
 
+static void write_summary(FILE *file, hooke_run *run) {
+  hk_summary summary;
+  hk_run_summary(run->run, &summary);
+  hk_report_json(file, &summary);
+}
+
+const char *hooke_summary(hooke_run *run) {
+  return run && run->run ? text_of(run, &run->summary, write_summary) : NULL;
+}
+
+static void write_parameters(FILE *file, hooke_run *run) { hk_parameters_write(file, run->script); }
+
 const char *hooke_parameters(hooke_run *run) {
-  if (!run || !run->run) return NULL;
-  hooke_surroundings own;
-  size_t size;
-  hooke_enter(&own);
-  free(run->declared);
-  run->declared = NULL;
-  FILE *file = open_memstream(&run->declared, &size);
-  if (file) {
-    hk_parameters_write(file, run->script);
-    fclose(file);
-  }
-  hooke_leave(&own);
-  return run->declared;
+  return run && run->run ? text_of(run, &run->declared, write_parameters) : NULL;
 }
 
 const char *hooke_verdict(const hooke_run *run) {
