@@ -88,13 +88,3 @@ hk_status hk_scene_add_goal(hk_scene *scene, const char *measure, double value, 
   scene->goal[scene->goals++] = goal;
   return HK_OK;
 }
-
-void hk_scene_free_goals(hk_scene *scene) {
-  for (size_t k = 0; k < scene->controls; k++) {
-    free(scene->control[k].name);
-    free(scene->control[k].value);
-  }
-  for (size_t k = 0; k < scene->goals; k++) free(scene->goal[k].where);
-  free(scene->control);
-  free(scene->goal);
-}

@@ -74,7 +74,11 @@ static void destroy_lists(hk_scene *scene) {
     free(scene->measure[k].name);
     free(scene->measure[k].where);
   }
-  hk_scene_free_goals(scene);
+  for (size_t k = 0; k < scene->controls; k++) {
+    free(scene->control[k].name);
+    free(scene->control[k].value);
+  }
+  for (size_t k = 0; k < scene->goals; k++) free(scene->goal[k].where);
 }
 
 static void free_bodies(hk_scene *scene) {
@@ -100,6 +104,8 @@ void hk_scene_destroy(hk_scene *scene) {
   free(scene->particles.channel);
   free(scene->particles.pin);
   free(scene->measure);
+  free(scene->control);
+  free(scene->goal);
   for (size_t k = 0; k < scene->places.count; k++) free(scene->places.item[k].where);
   free(scene->places.item);
   hk_warnings_clear(&scene->warnings);

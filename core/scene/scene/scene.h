@@ -151,7 +151,6 @@ hk_status hk_scene_add_control(hk_scene *, const hk_control *, hk_error *error);
  * the name. */
 hk_status hk_scene_add_goal(hk_scene *, const char *measure, double value, double at, const char *where,
                             hk_error *error);
-void hk_scene_free_goals(hk_scene *); /* and controls */
 
 /* ---- bodies.c: what rigid bodies have beside particles ---- */
 
