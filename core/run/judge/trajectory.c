@@ -2,6 +2,7 @@
  * dropped, and from then on only every second one is kept; the end of the run is always kept. */
 #include "core/run/judge/judge.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@ struct hk_moment {
 };
 
 static const size_t most_numbers = (size_t)1 << 24; /* 128 MiB */
-static const size_t most_stride = (size_t)1 << 40;  /* more frames than there will ever be */
+static const size_t most_stride = SIZE_MAX / 4;     /* more frames than there will ever be */
 
 static hk_status no_memory(hk_error *error) {
   return hk_error_set(error, HK_NO_MEMORY,
