@@ -3,13 +3,14 @@ local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local lfs = require("lfs")
 
-local formats = { "ply", "obj", "vtk", "csv", "pc2", "xdmf", "vtkhdf", "gltf" }
+local formats = { "ply", "obj", "vtk", "csv", "pc2", "xdmf", "vtkhdf", "gltf", "usd" }
 
 local function parser()
   local p = argparse("hooke convert", "Converts what the output `trajectory` has kept.")
   p:argument("run", "a run's output folder, or the file trajectory.h5 itself")
   p:option("--to", "ply, obj, vtk: a file per frame; csv: a table of particles; pc2: a point cache and its mesh for"
-    .. " Blender; gltf: one file with the motion, for Blender and browsers; vtkhdf, xdmf: HDF5 and XDMF files"):choices(formats):count(1)
+    .. " Blender; gltf: one file with the motion, for Blender and browsers; usd: one text file of OpenUSD with the motion;"
+    .. " vtkhdf, xdmf: HDF5 and XDMF files"):choices(formats):count(1)
   p:option("-o --out", "the folder of a sequence, or a file (RUN/FORMAT, RUN/converted.FORMAT)")
   p:option("--every", "a frame is taken every so many"):convert(command_line.whole("--every")):default(1)
   p:option("--from-frame", "the first, counted from 1"):convert(command_line.whole("--from-frame")):default(1)
@@ -35,7 +36,7 @@ local function parser()
   p:flag("--cut", "the surface ends at the scene's obstacles (but meshes), without bumps of particles there")
   p:option("--method", "of the surface: tetrahedra, or cubes, with a third of the triangles")
     :choices({ "tetrahedra", "cubes" }):default("tetrahedra")
-  p:option("--up", "gltf: the scene's axis that points up (z)"):choices({ "z", "y" })
+  p:option("--up", "gltf, usd: the scene's axis that points up (z)"):choices({ "z", "y" })
   p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
   return p
 end
@@ -91,7 +92,8 @@ local function left_out(recording, file)
 end
 
 -- What was written, in words.
-local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", gltf = "%s.glb", xdmf = "%s.xdmf and .h5", vtkhdf = "%s.h5 and .xdmf" }
+local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", gltf = "%s.glb", usd = "%s.usda",
+  xdmf = "%s.xdmf and .h5", vtkhdf = "%s.h5 and .xdmf" }
 
 -- How the surface of particles is asked for; nil: it is not.
 local function surface_of(o)
@@ -103,7 +105,7 @@ end
 -- The sentence for an option of a surface that does not go with the others.
 local function wrong_surface(o)
   if o.isosurface and (o.to == "csv" or o.to == "pc2") then
-    return "--isosurface is for --to ply, obj, vtk, gltf, vtkhdf or xdmf: a table or a point cache has no meshes that change"
+    return "--isosurface is for --to ply, obj, vtk, gltf, usd, vtkhdf or xdmf: a table or a point cache has no meshes that change"
   end
   local more = o.cell or o.reach or o.threshold or o.position_smoothing or o.stretch or o.smoothing or o.cut
   if not o.isosurface and (more or o.field ~= "zhu_bridson" or o.method ~= "tetrahedra") then
@@ -123,6 +125,7 @@ local function convert(c, o, base)
   if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
   if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
   if o.to == "gltf" then return c:gltf(base .. ".glb", o.up ~= "y", surface_of(o)) end
+  if o.to == "usd" then return c:usd(base .. ".usda", o.up ~= "y", surface_of(o)) end
   if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single, surface_of(o)) end
   return c:sequence(o.to, base, surface_of(o))
 end
@@ -137,7 +140,7 @@ if o.ids then
 end
 why = wrong_surface(o)
 if why then return complain(why) end
-if o.up and o.to ~= "gltf" then return complain("--up is for --to gltf") end
+if o.up and o.to ~= "gltf" and o.to ~= "usd" then return complain("--up is for --to gltf or usd") end
 local fine, conversion = pcall(require, "conversion")
 if not fine then return complain("this hooke is built without HDF5: tools/install-deps run gets it; then make again") end
 local file, folder = find(o.run)

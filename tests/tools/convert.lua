@@ -161,7 +161,7 @@ local function refused(words, said)
 end
 
 refused("--to obj --isosurface 0.1 --field density", "--isosurface: isosurface: no surface in the box")
-refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj, vtk, gltf, vtkhdf or xdmf")
+refused("--to csv --isosurface 0.1", "--isosurface is for --to ply, obj, vtk, gltf, usd, vtkhdf or xdmf")
 refused("--to pc2 --isosurface 0.1", "a table or a point cache has no meshes that change")
 refused("--to obj --cell 0.1", "--cell, --reach, --field and --method are of a surface: give --isosurface RADIUS")
 refused("--to obj --isosurface 0.1 --threshold 0.5", "--threshold is for --field density or anisotropic")

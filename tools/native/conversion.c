@@ -5,6 +5,7 @@
 #include "tools/native/formats/formats.h"
 #include "tools/native/formats/gltf.h"
 #include "tools/native/formats/pc2.h"
+#include "tools/native/formats/usd.h"
 #include "tools/native/common/tool_host.h"
 #include "plugins/common/frame_data/gatherer.h"
 #include "plugins/common/particle_surface/surface_frame.h"
@@ -252,30 +253,46 @@ static bool has_changed(const conversion *c, const surfaces *s, size_t k) {
   return s->host || (k > c->from && c->recording->frame[k].part != c->recording->frame[k - c->every].part);
 }
 
-static bool write_gltf(conversion *c, surfaces *s, const char *path, bool z_up, lua_Integer *written) {
+typedef struct motion { /* one of the two is written */
+  bool is_usd;
+  hk_gltf gltf;
+  hk_usd usd;
+} motion;
+
+static bool write_motion(conversion *c, surfaces *s, motion *m, const char *path, bool z_up, lua_Integer *written) {
   char why[256] = "";
-  hk_gltf g = {0};
-  bool fine = hk_gltf_open(&g, path, (c->to - c->from) / c->every + 1, z_up, why, sizeof why), read = fine;
+  bool fine = m->is_usd ? hk_usd_open(&m->usd, path, c->recording->fps, z_up, why, sizeof why)
+                        : hk_gltf_open(&m->gltf, path, (c->to - c->from) / c->every + 1, z_up, why, sizeof why);
+  bool read = fine;
   for (size_t k = c->from; k <= c->to && fine && read; k += c->every, *written += fine && read) {
     const hk_frame_data *data = shoot(c, k) ? shown(c, s) : NULL;
     read = data != NULL;
-    if (read) fine = hk_gltf_add(&g, data, has_changed(c, s, k), why, sizeof why);
+    if (read)
+      fine = m->is_usd ? hk_usd_add(&m->usd, data, has_changed(c, s, k), why, sizeof why)
+                       : hk_gltf_add(&m->gltf, data, has_changed(c, s, k), why, sizeof why);
   }
-  if (!hk_gltf_close(&g, fine && read, why, sizeof why)) fine = false;
+  bool closed = m->is_usd ? hk_usd_close(&m->usd, fine && read, why, sizeof why)
+                          : hk_gltf_close(&m->gltf, fine && read, why, sizeof why);
+  fine = fine && closed;
   if (!fine) cannot_write(c, path, why);
   return fine && read;
 }
 
-/* c:gltf(path, z_up, surface): with a table `surface` as sequence -> number of frames; or nil, reason */
-static int gltf(lua_State *L) {
+static int motion_to(lua_State *L, bool is_usd) {
   conversion *c = at(L);
   const char *path = luaL_checkstring(L, 2);
   surfaces surface;
+  motion m = {.is_usd = is_usd};
   lua_Integer written = 0;
-  bool fine = surfaces_open(&surface, L, 4, c) && write_gltf(c, &surface, path, lua_toboolean(L, 3), &written);
+  bool fine = surfaces_open(&surface, L, 4, c) && write_motion(c, &surface, &m, path, lua_toboolean(L, 3), &written);
   surfaces_close(&surface);
   return answer(L, c, fine, written);
 }
+
+/* c:gltf(path, z_up, surface), c:usd(path, z_up, surface): with a table `surface` as sequence -> number of frames; or
+ * nil, reason */
+static int gltf(lua_State *L) { return motion_to(L, false); }
+static int usd(lua_State *L) { return motion_to(L, true); }
 
 /* ---- a recording again ---- */
 
@@ -354,9 +371,9 @@ static int record(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_conversion(lua_State *L);
 
 int luaopen_conversion(lua_State *L) {
-  static const luaL_Reg methods[] = {
-      {"sequence", sequence},     {"table", table}, {"point_cache", point_cache}, {"recording", record}, {"gltf", gltf},
-      {"close", free_conversion}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"sequence", sequence},     {"table", table}, {"point_cache", point_cache},
+                                     {"recording", record},      {"gltf", gltf},   {"usd", usd},
+                                     {"close", free_conversion}, {NULL, NULL}};
   static const luaL_Reg functions[] = {{"open", open_conversion}, {NULL, NULL}};
   luaL_newmetatable(L, type_name);
   luaL_newlib(L, methods);
