@@ -1,10 +1,11 @@
 #!/bin/sh
 # hooke sweep --slurm against a Slurm of its own on this host: an array runs the cases, their databases are merged, and
 # the results are those of the same sweep without Slurm. A sweep of 50 cases is cancelled while it runs and goes on; the same
-# plan by GNU parallel gives the same results.
+# plan by GNU parallel gives the same results, and Dask does one, too.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 PATH=$PATH:/usr/sbin:/sbin
+root=$PWD
 hooke=$PWD/build/hooke
 scene=$PWD/scripts/scenes/circle.lua
 
@@ -149,6 +150,21 @@ same e || fail "other results after fifty cases were cancelled at $count"
 $fifty --db f.db --print-cases | cut -f1 | parallel --jobs 2 "$fifty --db f.db --case {}" >parallel.out 2>&1 || fail "exit code $? of GNU parallel"
 $fifty --db f.db --report --csv f.csv || fail "exit code $? of the report"
 same f || fail "other results by GNU parallel"
+
+# The program by Dask of scripts/sweeps/README.md, as it stands there.
+dask=
+for python in python3 /usr/bin/python3; do [ -n "$dask" ] || ! $python -c 'import distributed' 2>/dev/null || dask=$python; done
+if [ -n "$dask" ]; then
+  sed -n '/^```python$/,/^```$/p' "$root/scripts/sweeps/README.md" | sed '/^```/d' >plan.py
+  cp "$scene" .
+  echo 'return hooke.sweep { scene = "circle.lua", dt = { 1e-3, 1e-2 }, integrators = { "leapfrog", "rk4" } }' >s.lua
+  PATH=$(dirname "$hooke"):$PATH timeout 120 $dask plan.py >dask.out 2>&1 || fail "exit code $? of Dask: $(tail -n 5 dask.out)"
+  $hooke sweep s.lua --report --csv dask.csv >/dev/null || fail "exit code $? of the report"
+  [ "$(grep -c '^[0-9]*,circle,' dask.csv)" = 4 ] && [ "$(ls part?.db | wc -l)" = 4 ] || fail "not four cases by Dask: $(cat dask.csv)"
+  echo "four cases by Dask"
+else
+  echo "python3 has no Dask: its sweep is not tried"
+fi
 
 echo "fifty cases, cancelled when $count were done"
 echo "1 passed, 0 failed, 0 skipped"
