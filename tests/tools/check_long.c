@@ -6,7 +6,7 @@
 
 /* What it cannot guess: a box about the particles of its scenes; a force whose dissipation becomes heat. */
 static const char *options_of(const char *file) {
-  if (strcmp(file, "grid_conduction.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=1 density=1";
+  if (strcmp(file, "grid_conduction.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=2.5 density=1";
   if (strcmp(file, "viscous_heating.so") != 0) return "";
   test_write("sheared.lua",
              "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.01 }\n"
@@ -50,8 +50,8 @@ static void every_integrator_passes(void **state) {
 
 static void faults_of_forces_and_explicit_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong_of("force", 59, 1);
-  right_and_wrong_of("integrator", 42, 1);
+  right_and_wrong_of("force", 59, long_step());
+  right_and_wrong_of("integrator", 42, long_step());
 }
 
 /* check.c tries some of these. */
@@ -59,7 +59,7 @@ static void other_faults_are_named(void **state) {
   (void)state;
   static const char *const tables[] = {"habits", "parts",    "contact",    "multistep", "adaptive",
                                        "tiles",  "implicit", "neighbours", "octree",    "bvh"};
-  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) right_and_wrong_of(tables[k], 1, 1);
+  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) right_and_wrong_of(tables[k], 1, long_step());
 }
 
 int main(void) {

@@ -234,12 +234,13 @@ static void a_sweep_survives_kill_9(void **state) {
   for (; killed < KILLS; killed++) {
     /* Killed when some ten to thirty further cases have begun; whoever ends before that is not killed. */
     char all[1024];
-    snprintf(all, sizeof all,
-             "'%s/hooke' sweep s.lua --trust k=1..2:linear:%d -j %d --quiet --db k.db --resume & pid=$!; "
-             "want=$(($(cat runs.log 2>/dev/null | wc -l) + %d)); "
-             "while kill -0 $pid 2>/dev/null && [ $(cat runs.log 2>/dev/null | wc -l) -lt $want ]; do :; done; "
-             "kill -9 $pid 2>/dev/null; wait $pid; [ $? = 137 ]",
-             HK_BUILD, CASES, JOBS, 10 + 7 * killed);
+    snprintf(
+        all, sizeof all,
+        "'%s/hooke' sweep s.lua --trust k=1..2:linear:%d -j %d --quiet --db k.db --resume & pid=$!; "
+        "want=$(($(cat runs.log 2>/dev/null | wc -l) + %d)); "
+        "while kill -0 $pid 2>/dev/null && [ $(cat runs.log 2>/dev/null | wc -l) -lt $want ]; do sleep 0.01; done; "
+        "kill -9 $pid 2>/dev/null; wait $pid; [ $? = 137 ]",
+        HK_BUILD, CASES, JOBS, 10 + 7 * killed);
     shell(all);
     snprintf(all, sizeof all, "s.lua --trust k=1..2:linear:%d --quiet --db k.db --report --csv %d.csv", CASES, killed);
     sweep(all, 0);

@@ -376,7 +376,7 @@ end
 function tests.what_is_wrong_is_said_before_the_page_is_served()
   local folder = watched.folder()
   local function refused(words, code, text)
-    local pipe = io.popen(("cd '%s' && timeout 20 '%s/hooke' run %s --watch 2>&1; echo \"code $?\""):format(folder, build, words))
+    local pipe = io.popen(("cd '%s' && timeout 120 '%s/hooke' run %s --watch 2>&1; echo \"code $?\""):format(folder, build, words))
     local said = pipe:read("a")
     pipe:close()
     if not (said:find(text, 1, true) and said:find("code " .. code, 1, true)) then error(words .. ": " .. said) end

@@ -128,9 +128,9 @@ static inline bool there_is(const world *w, const char *name) {
   return stat(path, &info) == 0 && info.st_size > 0;
 }
 
-/* Files are written while the next pictures are drawn: within some seconds on any machine. */
+/* Files are written while the next pictures are drawn: within some seconds, or a minute of a busy machine. */
 static inline bool there_will_be(const world *w, const char *name) {
-  for (int tries = 0; tries < 500 && !there_is(w, name); tries++) usleep(20000);
+  for (int tries = 0; tries < 3000 && !there_is(w, name); tries++) usleep(20000);
   return there_is(w, name);
 }
 

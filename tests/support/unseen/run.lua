@@ -60,11 +60,12 @@ local function truth(folder, o, n)
 end
 
 -- o: hooke, folder, only (a name or nil), slow (choices have a budget of time, in which all takes ten times as long: a run
--- that says that it did not reach the accuracy is fine). Returns the number of scenes that are fine, and of all.
+-- that says that it did not reach the accuracy is fine), every (of so many scenes the first is tried). Returns the number of
+-- scenes that are fine, and of those tried.
 function unseen.measure(o)
   local good, count = 0, 0
-  for _, scene in ipairs(require("unseen.scenes")) do
-    if not o.only or o.only == scene[1] then
+  for k, scene in ipairs(require("unseen.scenes")) do
+    if o.only == scene[1] or not o.only and (k - 1) % (o.every or 1) == 0 then
       files.write(o.folder .. "/scene.lua", script(scene))
       local exact = truth(o.folder, o, scene.n)
       local motion, json, words = shell(o.folder, o, "--integrator auto")

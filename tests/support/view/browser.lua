@@ -43,7 +43,7 @@ local function start_driver()
   local log = os.tmpname()
   local pid = tonumber(shell(("chromedriver --port=0 >%s 2>&1 & echo $!"):format(log)))
   local port
-  for _ = 1, 100 do
+  for _ = 1, 600 do
     local text = assert(io.open(log)):read("a")
     port = text:match("started successfully on port (%d+)")
     if port then break end
@@ -89,10 +89,10 @@ function browser:eval(expression)
   return answer.v
 end
 
--- Waits until the expression is true, some seconds at most.
+-- Waits until the expression is true, a minute at most where nothing else is said: a busy machine is slow.
 function browser:wait(expression, seconds)
   local last
-  for _ = 1, (seconds or 10) * 50 do
+  for _ = 1, (seconds or 60) * 50 do
     last = self:value(expression)
     if last.v and last.v ~= cjson.null then return end
     os.execute("sleep 0.02")

@@ -6,6 +6,7 @@ local watched = {}
 watched.__index = watched
 
 local root, build = os.getenv("HK_ROOT") or ".", os.getenv("HK_BUILD") or "build"
+local patience = 120 -- s: of a machine however busy
 
 local function read(path)
   local file = io.open(path, "rb")
@@ -26,7 +27,7 @@ end
 function watched.start(folder, words)
   child.start(folder, ("%s/hooke run %s --watch >printed.txt 2>said.txt </dev/null"):format(build, words))
   local self = setmetatable({ folder = folder }, watched)
-  local ends = child.clock() + 20
+  local ends = child.clock() + patience
   repeat
     self.url = self:said():match("http://%S+")
     child.sleep(0.01)
@@ -68,7 +69,7 @@ end
 
 -- Waits until the state is as `wanted` says; the state.
 function watched:wait(wanted, what)
-  local ends, state = child.clock() + 20
+  local ends, state = child.clock() + patience
   repeat
     state = self:state()
     if wanted(state) then return state end

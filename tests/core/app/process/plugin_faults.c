@@ -111,7 +111,7 @@ static void a_part_that_does_not_return_is_named(void **state) {
   (void)state;
   write_pass("loop", 7);
   test_write("twice.sh", "\"$@\" & p=$!\nsleep 1.5; kill -TERM $p; sleep 0.7; kill -TERM $p; wait $p\n");
-  test_hooke(&r, "timeout --preserve-status -s KILL 20 sh ./twice.sh", "run bad.lua --trust --quiet --threads 4");
+  test_hooke(&r, "timeout --preserve-status -s KILL 60 sh ./twice.sh", "run bad.lua --trust --quiet --threads 4");
   if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'mine' of the plugin part_exiter has not returned"))
     fail_msg("exit %d: %s", r.code, r.err);
 }
@@ -212,7 +212,7 @@ static void a_second_interruption_ends_a_loop_at_once(void **state) {
   (void)state;
   write_flight("loop");
   test_write("twice.sh", "\"$@\" & p=$!\nsleep 1; kill -TERM $p; sleep 0.7; kill -TERM $p; wait $p\n");
-  test_hooke(&r, "timeout --preserve-status -s KILL 5 sh ./twice.sh", "run bad.lua --trust --quiet --state last.csv");
+  test_hooke(&r, "timeout --preserve-status -s KILL 60 sh ./twice.sh", "run bad.lua --trust --quiet --state last.csv");
   if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'exiter' has not returned at the second interruption"))
     fail_msg("exit %d: %s", r.code, r.err);
   assert_flight_kept();

@@ -1,7 +1,8 @@
 /* A run that was interrupted after any number of steps and goes on from what its output `checkpoint` left ends in the
  * very bits of the run that was not: for every integrator of the folder, on scenes that between them have pins of all
  * kinds, timed forces, damping, channels, a corrector, a source, contact, neighbours and constraints, and whatever the
- * number of threads. */
+ * number of threads. Each run is interrupted at three places; under sanitizers, which look for other faults than bits
+ * that differ, at one, which is another for the next method. */
 #include "tests/fixtures/looker.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
@@ -353,6 +354,7 @@ static void frames_after_it_are_told_what_was_before_it(void **state) {
 static void a_run_that_goes_on_ends_in_the_same_bits(void **state) {
   (void)state;
   static const int threads[] = {1, 2, 7};
+  const bool sanitized = strstr(HK_BUILD, "sanitize") != NULL;
   size_t pairs = 0, gone_on = 0, tries = 0;
   for (size_t s = 0; s < SCENES; s++)
     for (size_t m = 0; m < method_count; m++) {
@@ -363,8 +365,11 @@ static void a_run_that_goes_on_ends_in_the_same_bits(void **state) {
       outcome whole = run(&e, MOST_STEPS);
       bool takes = whole.status == HK_OK;
       test_engine_close(&e);
-      for (size_t k = 1; takes && k <= 3; k++, tries++)
+      for (size_t k = 1; takes && k <= 3; k++) {
+        if (sanitized && k != 1 + (s + m) % 3) continue;
         gone_on += go_on(&scenes[s], methods[m], &whole, (whole.steps - 1) * k / 4 + 1, threads[k - 1]);
+        tries++;
+      }
       pairs += takes;
       if (!takes) print_message("%s, %s: %s\n", scenes[s].name, methods[m], whole.error);
       free(whole.X);
