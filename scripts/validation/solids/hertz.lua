@@ -2,7 +2,7 @@
 -- F = 4/3 E* sqrt(R) d^(3/2), E* = E/(1 - nu^2), where the contact's radius a is small beside R; that of a ball is larger
 -- by some a/(2 R). The reference is the ball itself: surface displacements of the elastic ball under an axially
 -- symmetric pressure, by Legendre's polynomials, and the pressure (1 - s^2)^(k - 1/2), s = r/a, k = 1, 2, 3, that leaves the
--- contact flat. The planes are stiff springs, whose depth falls as 1/n (0.1 % of d at n = 12), the ball is a wedge about its axis.
+-- contact flat. The planes are stiff springs, whose depth falls as 1/n (some 0.1 % of F at n = 12), the ball is a wedge about its axis.
 local validation = require("validation")
 local wedge = require("_wedge")
 
