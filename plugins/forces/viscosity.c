@@ -17,6 +17,8 @@
 #include "plugins/common/sph/sph_pairs.h"
 #include "plugins/kit/vector3.h"
 
+#include <string.h>
+
 typedef struct viscosity {
   hk_sph common;
   double mu;
@@ -24,7 +26,8 @@ typedef struct viscosity {
   const char *viscosity_of;
   const double *const *viscosities; /* n, Pa s, published by the plugin of that label; NULL: it is one number */
   double factor;                    /* 2 mu / M, N s/m / (m^2 m^6 1/m^5); with `viscosities` 2 / M */
-  double *dissipation;              /* n, W/kg, of the last evaluation */
+  double *dissipation;              /* n, W/kg, of the last evaluation; NAN: there was none */
+  bool evaluated;
   hk_sph_pairs pairs;
 } viscosity;
 
@@ -117,6 +120,9 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t;
+  viscosity *p = self;
+  if (!p->evaluated) memset(p->dissipation, 0, view->n * sizeof *p->dissipation); /* also of who is not of the liquid */
+  p->evaluated = true;
   hk_status status = begin(&t, self, view);
   if (status != HK_OK) return status;
   t.F = F;
@@ -212,6 +218,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
                       "`viscosity_of`",
                       p->viscosity_of ? "one, and those of `viscosity_of`" : "none");
   hk_status status = HK_OK;
+  for (size_t i = 0; i < view->n; i++) p->dissipation[i] = NAN;
   if (p->viscosity_of)
     status =
         hk_find_published(host, view->model, p->viscosity_of, "local_viscosity", "viscosity_of", true, &p->viscosities);

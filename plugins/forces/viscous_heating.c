@@ -1,7 +1,7 @@
 /* The heat of friction within a liquid: what its viscosity takes from the motion its particles get as enthalpy,
  *     dh/dt = d,   d = (mu/rho) sum of (dv_a/db + dv_b/da)^2/2,
  * with d, W/kg, as another plugin publishes it by the name `dissipation`: the force viscosity, behind which it
- * is to stand in the scene, for what it does now, the corrector liquid (with heats = true) for its last step, so that
+ * has to stand in the scene, for what it does now, the corrector liquid (with heats = true) for its last step, so that
  * of its heat one step is behind. For the `account` it comes from outside: it was motion before. It is no force: it
  * adds nothing to F. */
 #include "plugins/common/channels/find_published.h"
@@ -28,7 +28,9 @@ static hk_status rates(void *self, const hk_view *view, double *dy) {
     double heat = (*s->dissipation)[i];
     if (isnan(heat))
       return view->host->fail(view->host, HK_FAILED,
-                              "of: '%s' does not find what its viscosity takes: give it heats = true", s->label);
+                              "of: '%s' has not found what its viscosity takes: a corrector liquid needs heats = true, "
+                              "a force viscosity has to stand in front of this in the scene",
+                              s->label);
     hk_heat_give(&s->heat, view, i, heat, dy);
   }
   return HK_OK;

@@ -80,14 +80,16 @@ double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
   return axes * cells * bytes_of_row + (double)g->size * bytes_of_cell;
 }
 
-/* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. */
+/* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. The three of a
+ * cell have numbers behind each other: strains join them, and domains of incomplete factors keep what joins them. */
 static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list) {
   const hk_liquid_grid *g = &l->grid;
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)], count = 0;
-  for (int a = 0; a < 3; a++)
-    for (size_t k = 0; k < rows && !g->flat[a]; k++) {
-      size_t first = hk_liquid_row_at(g, k, 0).first;
-      for (size_t i = first; i < first + length; i++) {
+  for (size_t k = 0; k < rows; k++) {
+    size_t first = hk_liquid_row_at(g, k, 0).first;
+    for (size_t i = first; i < first + length; i++)
+      for (int a = 0; a < 3; a++) {
+        if (g->flat[a]) continue;
         if (!list) {
           bool held = hk_viscous_face_held(l, i, a, v->slip);
           double weight = held ? 0 : hk_liquid_part_of_face(l, i, a);
@@ -99,7 +101,7 @@ static size_t number_faces(const hk_liquid *l, hk_liquid_viscosity *v, bool list
         }
         count += v->row[a][i] != HK_LIQUID_NONE;
       }
-    }
+  }
   return count;
 }
 

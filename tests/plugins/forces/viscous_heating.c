@@ -130,11 +130,29 @@ static void what_does_not_fit_is_refused(void **state) {
   refuses(&e, "viscosity_of: 'melt' stands behind this in the scene");
 }
 
+/* It would be that of an earlier evaluation. */
+static void heat_in_front_of_its_viscosity_is_refused(void **state) {
+  (void)state;
+  test_engine e;
+  begin(&e);
+  heat_of(&e, "viscosity");
+  hk_plugin_spec *viscosity = test_plugin(&e, HK_FORCE, "viscosity");
+  test_number(&e, viscosity, "spacing", dx);
+  test_number(&e, viscosity, "dimensions", 2);
+  test_number(&e, viscosity, "mu", 10);
+  hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
+  if (status == HK_OK) status = hk_run_advance(e.run, 0.05, &e.error);
+  assert_int_equal(status, HK_FAILED);
+  assert_non_null(strstr(e.error.text, "a force viscosity has to stand in front of this in the scene"));
+  test_engine_close(&e);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(of_particles_all_becomes_heat),
       cmocka_unit_test(of_a_grid_most_becomes_heat),
       cmocka_unit_test(what_does_not_fit_is_refused),
+      cmocka_unit_test(heat_in_front_of_its_viscosity_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
