@@ -11,6 +11,7 @@
  * bodies that are held, move the liquid, and the liquid does not move them; strands are not felt, and a viscosity does
  * not drag cloth; obstacles thinner than two cells leak; drops of less than half a cell fly freely, without pressure.
  * Its work is not known, so the energy balance of such a run is not either. */
+#include "plugins/common/liquid/liquid_balance.h"
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/liquid_start.h"
 #include "plugins/common/liquid/tension.h"
@@ -29,14 +30,16 @@ typedef struct liquid {
   double *affine; /* n x 18, for each two slots, so that a step that is taken back begins with what it began with */
   double *full;   /* n */
   double *dissipation; /* n, W/kg, of the last step */
+  double *counted;     /* n, kg: of each, as the balance has it */
   hk_array guess;      /* m^2/s, the last pressure, on the grid */
   hk_array force;      /* of bodies x 6, hk_liquid_bodies */
   double reached;      /* s, the end of the last step */
-  double longest;      /* s, of the steps */
+  double longest;      /* s, of the last steps */
   double off;          /* by which the density within was off, at most */
   double left;         /* of the divergence, by the step: what a cell gained or lost, at most */
   double drift;        /* of the volume, mean of the last steps; NAN: not known */
   hk_liquid_pace pace;
+  hk_liquid_balance balance;
   int64_t slot, said;
   uint32_t *index;
   bool *carried;           /* n: those that are the liquid, which obstacles leave to it */
@@ -54,6 +57,8 @@ typedef struct liquid {
 enum { NO_SLIP, FREE_SLIP };
 
 static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
+static const double most_leaked = 0.01;    /* of all the mass that was the liquid */
+static const double forgotten = 0.125;     /* of the longest step, in a step */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
 static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
 
@@ -102,6 +107,7 @@ static const hk_field fields[] = {
     {"affine", .per_particle = HK_AT(liquid, affine), .width = 18},
     {"full", .per_particle = HK_AT(liquid, full), .width = 1, .flags = HK_PUBLISHED},
     {"dissipation", .per_particle = HK_AT(liquid, dissipation), .width = 1, .flags = HK_PUBLISHED},
+    {"counted", .per_particle = HK_AT(liquid, counted), .width = 1},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
     {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
     {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
@@ -114,6 +120,12 @@ static const hk_field fields[] = {
     {"pull_y", .number = HK_AT(liquid, pace.pull[1])},
     {"pull_z", .number = HK_AT(liquid, pace.pull[2])},
     {"passed", .number = HK_AT(liquid, pace.passed)},
+    {"held", .number = HK_AT(liquid, balance.held)},
+    {"came", .number = HK_AT(liquid, balance.came)},
+    {"went", .number = HK_AT(liquid, balance.went)},
+    {"leaked", .number = HK_AT(liquid, balance.leaked)},
+    {"leaked_before", .number = HK_AT(liquid, balance.leaked_before)},
+    {"number", .integer = HK_AT(liquid, balance.number)},
     {"slot", .integer = HK_AT(liquid, slot)},
     {"said", .integer = HK_AT(liquid, said)},
     {0},
@@ -135,6 +147,16 @@ static hk_status choose(liquid *s, const hk_view *view) {
   return status;
 }
 
+static hk_liquid_particles particles_at(const liquid *s, const hk_view *view) {
+  return (hk_liquid_particles){
+      .count = s->count, .index = s->index, .mass = view->model->mass, .x = (double *)view->x, .v = (double *)view->v};
+}
+
+static void count(liquid *s, const hk_view *view, bool first) {
+  const hk_liquid_particles p = particles_at(s, view);
+  hk_liquid_balance_count(&s->balance, &p, view->n, first, s->counted);
+}
+
 static hk_status open_cloth(liquid *s, const hk_view *view) {
   const hk_tuples *cloth = s->cloth.count ? &s->cloth : &view->model->triangles;
   return hk_thin_walls_open(&s->method.thin, s->host, view, cloth, s->method.grid.size);
@@ -150,6 +172,7 @@ static hk_status topology(void *self, const hk_view *view) {
   mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   hk_liquid_bodies_topology(&s->method.bodies);
+  if (status == HK_OK) count(s, view, false);
   if (status == HK_OK) hk_liquid_warn_of_births(&s->method, view, s->index, s->count);
   if (status == HK_OK) status = open_cloth(s, view);
   return status == HK_OK ? hk_liquid_open(&s->method, s->host, s->count) : status;
@@ -161,6 +184,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   mark_dissipation(s, view->n);
   hk_status status = choose(s, view);
   if (status != HK_OK) return status;
+  count(s, view, true);
   if (s->count == 0 && isnan(s->cell))
     return host->fail(host, HK_BAD_PARAM,
                       "there are no particles that could be a liquid and say how large cells are: "
@@ -197,7 +221,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   status = all->carry(all->self, (const bool *const *)&s->carried);
   s->reached = view->t;
   s->drift = NAN;
-  if (status == HK_OK) hk_liquid_warn_of_thin(m);
+  if (status == HK_OK) hk_liquid_warn_of_walls(m);
   return status == HK_OK ? hk_liquid_open(m, host, s->count) : status;
 }
 
@@ -208,10 +232,6 @@ static void destroy(void *self, const hk_host *host) {
   hk_liquid_viscosity_close(&s->viscous, s->host);
   hk_tension_close(&s->surface, s->host);
   hk_liquid_close(&s->method);
-}
-
-static hk_liquid_particles particles_at(const liquid *s, const hk_view *view) {
-  return (hk_liquid_particles){.count = s->count, .index = s->index, .x = (double *)view->x, .v = (double *)view->v};
 }
 
 /* By how much the density within the liquid is off, and with it the volume; 0: by less than is seen, or the liquid has
@@ -279,9 +299,10 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
     c->reject = true;
     return HK_OK;
   }
-  if (view->t - c->h >= s->reached - 1e-9 * c->h) s->slot = 1 - s->slot;
+  bool again = view->t - c->h < s->reached - 1e-9 * c->h;
+  if (!again) s->slot = 1 - s->slot;
   s->reached = view->t;
-  s->longest = fmax(s->longest, c->h);
+  s->longest = fmax((1 - forgotten) * s->longest, c->h);
   double *after = s->affine + (s->slot ? 9 : 0);
   p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
@@ -308,6 +329,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   status = hk_thin_walls_end(&m->thin, &m->grid, c, 1 + (int)ceil(courant), &moved);
   if (status != HK_OK) return status;
   hk_liquid_move(m, &p, c->h);
+  hk_liquid_balance_leak(&s->balance, m, &p, again);
   c->changed = moved || changed(s, c);
   s->off = fmax(s->off, fabs(density_off(s)));
   s->left = fmax(s->left, m->left * c->h);
@@ -330,8 +352,14 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   figure[0] = (hk_own_figure){"volume_drift", "", s->drift, most_drift};
   figure[1] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
   figure[2] = (hk_own_figure){"courant", "cells", s->pace.passed, INFINITY};
+  const hk_liquid_balance *b = &s->balance;
   figure[3] = (hk_own_figure){"in_walls", "particles", (double)hk_liquid_count_beyond(&s->method, &p), 0};
-  return 4;
+  double all = b->held + b->went; /* kg, what was ever in it */
+  figure[4] = (hk_own_figure){"leaked", "of the mass", all > 0 ? b->leaked / all : 0, most_leaked};
+  figure[5] = (hk_own_figure){"mass_in", "kg", b->came, INFINITY};
+  figure[6] = (hk_own_figure){"mass_out", "kg", b->went, INFINITY};
+  figure[7] = (hk_own_figure){"occupied", "m^3", hk_liquid_volume(&s->method), INFINITY};
+  return 8;
 }
 
 /* m: the farthest particle beyond a wall, or by how much a cell was too full, at most. */

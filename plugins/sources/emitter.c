@@ -80,6 +80,8 @@ static const hk_param params[] = {
      .limits = HK_AT_LEAST(0)},
     {"triangles", "", "triangles of the scene to emit from, uniformly by area",
      .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
+    {"places", "", "even: spread over the shape in turn, so that a liquid comes in with its density",
+     .choice = HK_AT(emitter, outlet.places), .choices = "random|even"},
     {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal",
      .vector = HK_AT(emitter, outlet.direction), .initial = {0, 0, 1}},
     {"cone", "degrees", "largest angle about that direction, uniform by solid angle",
@@ -281,7 +283,7 @@ static hk_birth draw_birth(const emitter *e, const hk_view *view, double age, ui
   hk_birth birth = {.channel = e->width ? e->initial : NULL};
   hk_draw d = hk_draw_begin((uint64_t)e->seed, number);
   double direction[3];
-  hk_outlet_draw(&e->outlet, view, age, &d, birth.position, birth.velocity, direction);
+  hk_outlet_draw(&e->outlet, view, age, number / 2, &d, birth.position, birth.velocity, direction);
   double speed = draw(e, &e->speed, &d), mass = draw(e, &e->mass, &d), radius = draw(e, &e->radius, &d);
   *lifetime = isnan(e->lifetime.value) ? INFINITY : draw(e, &e->lifetime, &d);
   double amount = draw(e, &e->amount, &d);

@@ -133,10 +133,22 @@ static void draw_on_disc(const hk_outlet *o, const double u[3], double position[
   for (int c = 0; c < 3; c++) position[c] += r * (cos(turn * u[1]) * a[c] + sin(turn * u[1]) * b[c]);
 }
 
-void hk_outlet_draw(const hk_outlet *o, const hk_view *view, double age, hk_draw *d, double position[3],
+static void take_even(const hk_outlet *o, uint64_t k, double u[3]) {
+  /* the roots of f^(d+1) = f + 1 */
+  static const double root[3] = {1.6180339887498949, 1.3247179572447460, 1.2207440846057595};
+  int d = o->shape == HK_OUTLET_LINE ? 1 : o->shape == HK_OUTLET_DISC || o->shape == HK_OUTLET_SPHERE ? 2 : 3;
+  double part = 1;
+  for (int c = 0; c < d; c++) {
+    double whole;
+    part /= root[d - 1];
+    u[c] = modf(0.5 + (double)k * part, &whole);
+  }
+}
+
+void hk_outlet_draw(const hk_outlet *o, const hk_view *view, double age, uint64_t k, hk_draw *d, double position[3],
                     double velocity[3], double direction[3]) {
-  const double u[3] = {hk_draw_uniform(d), hk_draw_uniform(d), hk_draw_uniform(d)};
-  double unit[3];
+  double u[3] = {hk_draw_uniform(d), hk_draw_uniform(d), hk_draw_uniform(d)}, unit[3];
+  if (o->places == HK_OUTLET_EVEN) take_even(o, k, u);
   for (int c = 0; c < 3; c++) {
     position[c] = o->position[c];
     velocity[c] = 0;

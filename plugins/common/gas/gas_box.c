@@ -1,6 +1,7 @@
 /* Whether a gas has room, and its grid cells enough. */
 #include "plugins/common/gas/gas.h"
 #include "plugins/common/mac_grid/narrow_gaps.h"
+#include "plugins/common/mac_grid/thin_solids.h"
 
 hk_status hk_gas_check_box(const hk_host *host, const double low[3], const double high[3], double cell, double most) {
   double cells[3];
@@ -31,16 +32,7 @@ void hk_gas_warn_of_cells(const hk_gas *s, double source_radius) {
   const hk_liquid_grid *g = &s->flow.grid;
   const hk_obstacle_set *all = s->flow.obstacles;
   double cell = fmax(g->spacing[0], fmax(g->spacing[1], g->spacing[2]));
-  for (size_t k = 0; k < all->count; k++) {
-    const hk_shape *shape = &all->member[k]->shape;
-    if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) continue;
-    double least = 2 * fmin(shape->half[0], fmin(shape->half[1], shape->half[2]));
-    if (least < 2 * cell)
-      s->host->warn(s->host,
-                    "obstacle %zu is %.3g m thin, and cells are %.3g m: gas may leak through what is thinner than two "
-                    "of them; take smaller ones or a thicker obstacle",
-                    k + 1, least, cell);
-  }
+  hk_warn_of_thin(s->host, g, all, "gas");
   hk_warn_of_gaps(s->host, g, all, s->open, "gas");
   for (int c = 0; c < 3; c++)
     if (!g->flat[c] && g->cells[c] < 4)

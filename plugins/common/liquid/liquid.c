@@ -21,8 +21,10 @@ hk_status hk_liquid_open(hk_liquid *l, const hk_host *host, size_t most) {
   host->release(host, l->sorted);
   host->release(host, l->cell);
   l->sorted = host->allocate(host, (most + 1) * sizeof *l->sorted);
+  host->release(host, l->through);
   l->cell = host->allocate(host, (most + 1) * sizeof *l->cell);
-  if (l->sorted && l->cell) return HK_OK;
+  l->through = host->allocate(host, (most + 1) * sizeof *l->through);
+  if (l->sorted && l->cell && l->through) return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles of a liquid", most);
 }
 
@@ -34,5 +36,7 @@ void hk_liquid_close(hk_liquid *l) {
   l->host->release(l->host, l->start);
   l->host->release(l->host, l->sorted);
   l->host->release(l->host, l->cell);
+  l->host->release(l->host, l->through);
   l->start = l->sorted = l->cell = NULL;
+  l->through = NULL;
 }

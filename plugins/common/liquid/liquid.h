@@ -43,6 +43,7 @@ typedef struct hk_liquid {
   uint32_t *start;    /* size + 1: places in `sorted` of the particles of a cell */
   uint32_t *sorted;   /* most: places in the list of particles, by cells */
   uint32_t *cell;     /* most: of each place in the list */
+  bool *through;      /* most: of each place in the list: it passed an obstacle in the last step */
   size_t most;        /* particles that there is memory for */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
@@ -69,6 +70,8 @@ void hk_liquid_find_surface(hk_liquid *);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);
+/* The part of a cell that no wall covers, as if it were cut by a plane of mean slope. */
+double hk_liquid_open_cell(const hk_liquid_grid *, size_t i);
 /* m/s, along axis c, of the obstacle that is nearest to x, there; 0: a body is, or there is none. */
 double hk_liquid_obstacle_speed(const hk_liquid *, const double x[3], int c);
 /* Makes the velocities free of divergence: the pressure is zero on the surface, placed between centres as by Enright,
@@ -87,7 +90,7 @@ void hk_liquid_extend(hk_liquid *, int layers);
  * the density. */
 void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, double *full);
 /* Moves the particles by the grid's velocity for h, s (Ralston's method of order 3), then by the displacement, and out
- * of walls. */
+ * of walls; `through` is whom that took to the other side of an obstacle. */
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);

@@ -1,5 +1,7 @@
 /* See liquid_start.h. */
 #include "plugins/common/liquid/liquid_start.h"
+#include "plugins/common/mac_grid/narrow_gaps.h"
+#include "plugins/common/mac_grid/thin_solids.h"
 
 double hk_liquid_default_cell(const hk_view *view, const uint32_t *index, size_t count, double density,
                               const double low[3], const double high[3]) {
@@ -39,25 +41,8 @@ void hk_liquid_warn_of_births(const hk_liquid *l, const hk_view *view, const uin
     }
 }
 
-/* m, through the solid where it is thinnest; INFINITY: it has but one side. */
-static double thickness_of(const hk_liquid_grid *g, const hk_shape *shape) {
-  if (shape->kind == HK_SHAPE_PLANE || shape->kind == HK_SHAPE_MESH || shape->hollow) return INFINITY;
-  double least = INFINITY;
-  bool plane = g->flat[0] || g->flat[1] || g->flat[2];
-  for (int c = 0; c < 3; c++)
-    if (!plane || shape->kind != HK_SHAPE_BOX || !g->flat[c]) least = fmin(least, 2 * shape->half[c]);
-  return least;
-}
-
-void hk_liquid_warn_of_thin(const hk_liquid *l) {
-  double cell = fmax(l->grid.spacing[0], fmax(l->grid.spacing[1], l->grid.spacing[2]));
-  for (size_t k = 0; k < l->obstacles->count; k++) {
-    double least = thickness_of(&l->grid, &l->obstacles->member[k]->shape);
-    if (least < 2 * cell)
-      l->host->warn(
-          l->host,
-          "obstacle %zu is %.3g m thin, and cells are %.3g m: the liquid may leak through what is thinner than "
-          "two of them; take smaller ones or a thicker obstacle",
-          k + 1, least, cell);
-  }
+void hk_liquid_warn_of_walls(const hk_liquid *l) {
+  static const bool open[3][2];
+  hk_warn_of_thin(l->host, &l->grid, l->obstacles, "the liquid");
+  hk_warn_of_gaps(l->host, &l->grid, l->obstacles, open, "liquid");
 }

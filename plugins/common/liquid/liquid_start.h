@@ -11,7 +11,7 @@ double hk_liquid_default_cell(const hk_view *, const uint32_t *index, size_t cou
 hk_status hk_liquid_check_start(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
 /* Of particles that are born outside of it. */
 void hk_liquid_warn_of_births(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
-/* Of solids between whose sides the grid cannot have a cell that is closed, with their thickness. */
-void hk_liquid_warn_of_thin(const hk_liquid *);
+/* Of obstacles, and of gaps between them and to the sides of the box, that are thinner than two cells. */
+void hk_liquid_warn_of_walls(const hk_liquid *);
 
 #endif

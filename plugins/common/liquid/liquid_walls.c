@@ -160,8 +160,7 @@ static void face_rows(void *context, size_t begin, size_t end, size_t piece) {
   }
 }
 
-/* The part of a cell that is open, as if it were cut by a plane of mean slope. */
-static double open_cell(const hk_liquid_grid *g, size_t i) {
+double hk_liquid_open_cell(const hk_liquid_grid *g, size_t i) {
   double mean = 0, h = 0;
   for (int b = 0; b < 8; b++)
     mean +=
@@ -190,7 +189,7 @@ static void find_room(hk_liquid *l) {
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
   for (size_t k = 0; k < rows; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
-    for (size_t i = first; i < first + length; i++) g->distance[i] = has_solids(l) ? open_cell(g, i) : 1;
+    for (size_t i = first; i < first + length; i++) g->distance[i] = has_solids(l) ? hk_liquid_open_cell(g, i) : 1;
   }
   weigh(g, 0, g->distance, g->room);
   weigh(g, 1, g->room, g->distance);
@@ -198,7 +197,7 @@ static void find_room(hk_liquid *l) {
   for (size_t k = 0; k < rows && has_solids(l); k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + length; i++)
-      if (open_cell(g, i) <= 0.5) g->room[i] = -fmax(g->room[i], least_room);
+      if (hk_liquid_open_cell(g, i) <= 0.5) g->room[i] = -fmax(g->room[i], least_room);
   }
 }
 

@@ -1,5 +1,5 @@
 /* Velocities beyond the liquid, and the way of particles along them. */
-#include "plugins/common/liquid/liquid.h"
+#include "plugins/common/liquid/liquid_balance.h"
 
 #include <string.h>
 
@@ -125,6 +125,13 @@ static void keep(const hk_liquid *l, size_t i, double x[3]) {
   }
 }
 
+static bool passes_obstacle(const hk_liquid *l, const double from[3], const double to[3]) {
+  bool passes = false;
+  for (size_t k = 0; l->obstacles && k < l->obstacles->count && !passes; k++)
+    passes = hk_liquid_passes(l->obstacles->member[k], from, to);
+  return passes;
+}
+
 static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
   const hk_liquid_grid *g = &t->l->grid;
@@ -144,9 +151,11 @@ static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
       if (!g->flat[c]) x[c] += hk_liquid_value(g, g->push[c], &at, c);
     }
     keep(t->l, i, x);
-    if (!t->l->thin.triangles) continue;
-    hk_thin_walls_keep(&t->l->thin, g, t->l->cell[t->l->sorted[k]], from, x);
-    keep(t->l, i, x);
+    if (t->l->thin.triangles) {
+      hk_thin_walls_keep(&t->l->thin, g, t->l->cell[t->l->sorted[k]], from, x);
+      keep(t->l, i, x);
+    }
+    t->l->through[t->l->sorted[k]] = passes_obstacle(t->l, from, x);
   }
 }
 

@@ -169,7 +169,7 @@ static void what_the_grid_cannot_show_is_said(void **state) {
   test_vector(&r.e, wall, "size", 1, 1, 0.05);
   hold(&r, 0.1, 1);
   test_particle(&r.e, 0.5, 0, 0.5, 1);
-  said(&r, "obstacle 1 is 0.05 m thin, and cells are 0.1 m: gas may leak");
+  said(&r, "obstacle 1 is 0.05 m thin near (0, 0, 0), and cells are 0.1 m: gas may leak");
   open_room(&r, 0.01);
   hold(&r, 0.1, 0.2);
   test_particle(&r.e, 0.5, 0, 0.1, 1);

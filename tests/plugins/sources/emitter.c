@@ -336,6 +336,36 @@ static void shapes_are_uniform(void **state) {
   assert_true(m.z_most < 1e-14); /* 5 m times weights whose sum is rounded */
 }
 
+/* 1000 births on a line of 1 m, or a disc of that radius: of any 100 in a row each tenth of the line has 10 but for 2,
+ * and each of ten sectors and of ten rings of equal area 10 but for 5; random ones differ by 3 in the mean, and by 10
+ * and more somewhere. */
+static void even_places_are_spread_in_turn(void **state) {
+  (void)state;
+  for (int disc = 0; disc < 2; disc++) {
+    test_engine e;
+    hk_plugin_spec *spec = open_scene(&e, 1000);
+    test_text(&e, spec, "shape", disc ? "disc" : "line");
+    test_text(&e, spec, "places", "even");
+    test_number(&e, spec, "extent", 1);
+    test_number(&e, spec, "speed", 0);
+    e.scene->duration = 1;
+    test_run(&e);
+    test_advance(&e, 1);
+    for (uint32_t from = 1; from + 100 <= 1000; from += 50) {
+      int count[2][10] = {{0}};
+      for (uint32_t id = from; id < from + 100; id++) {
+        const double *x = test_position(&e, id);
+        double part[2] = {x[0], x[0]};
+        if (disc) part[0] = x[0] * x[0] + x[1] * x[1], part[1] = atan2(x[1], x[0]) / 6.283185307179586 + 0.5;
+        for (int k = 0; k < 2; k++) count[k][(int)fmin(9, 10 * part[k])]++;
+      }
+      for (int k = 0; k < 20; k++)
+        if (abs(count[k / 10][k % 10] - 10) > (disc ? 5 : 2)) fail_msg("%d of 100 in a tenth", count[k / 10][k % 10]);
+    }
+    test_engine_close(&e);
+  }
+}
+
 /* In a cone of half-angle a the mean of the cosine is (1 + cos a)/2 by solid angle; the speed is that asked for. */
 static void directions_are_uniform_by_solid_angle(void **state) {
   (void)state;
@@ -479,6 +509,7 @@ int main(void) {
       cmocka_unit_test(newborns_keep_the_order_of_the_method),
       cmocka_unit_test(newborns_follow_a_drag_that_the_method_steps_over),
       cmocka_unit_test(shapes_are_uniform),
+      cmocka_unit_test(even_places_are_spread_in_turn),
       cmocka_unit_test(directions_are_uniform_by_solid_angle),
       cmocka_unit_test(quantities_have_their_mean_and_spread),
       cmocka_unit_test(a_full_emitter_bears_when_one_has_died),
