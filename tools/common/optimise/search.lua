@@ -112,7 +112,8 @@ local function transcribed(o, controls, u, note, negligible)
     state.dt = o.dt
     o.memory:save(words, u, state)
   end
-  optimum, why, contradiction = transcription.minimise { start = u, saved = saved, save = save, W = cost.matrix(controls), knots = #controls[1].values,
+  optimum, why, contradiction = transcription.minimise { start = u, saved = saved, save = save, W = cost.matrix(controls),
+    knots = #controls[1].values,
     controls = #controls, goals = goals, negligible = negligible, bounds = bounds_of(controls), most = o.most,
     tolerance = o.tolerance, evaluate = shoot, note = function(iteration, now, missing, values)
       note(iteration, now, missing)
