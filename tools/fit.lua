@@ -1,11 +1,13 @@
 -- hooke fit SCENE.lua --data FILE.csv --by NAME,NAME [name=value ...]: the parameters with which a scene agrees with data.
 -- The data are measures of the scene at times, and their standard deviations where they are known. Least squares within
 -- the bounds of param(), with standard deviations and correlations, combinations that the data do not determine, and the
--- part of the steps in the answer: they are refined until it does not matter.
+-- part of the steps in the answer: they are refined until it does not matter. In the place of the scene may stand a script that
+-- says all of this: return hooke.fit { scene = "FILE.lua", data = "FILE.csv", by = { "k" }, found = function(fit) ... end }.
 local argparse = require("argparse")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local data = require("common.fit.data")
+local description = require("common.run.description")
 local files = require("common.run.file")
 local fitting = require("common.fit.fitting")
 local journal = require("common.bench.journal")
@@ -18,7 +20,7 @@ local function complain(format, ...) return command_line.complain("fit", format:
 
 local function parser()
   local p = argparse("hooke fit", "The parameters with which a scene agrees with measured data.")
-  p:argument("scene", "the scene's script, and values of parameters that are not fitted, name=value"):args("+")
+  p:argument("scene", "the scene's script, or one with hooke.fit{}, and values of parameters that are not fitted, name=value"):args("+")
   p:option("--data", "a table (CSV): t in s, measures of the scene, NAME_sd their standard deviations; cells may be empty")
   p:option("--by", "the parameters to find, k,c; with a start and bounds, k=20:1:1000 (those of param())"):count("*")
   p:option("--starts", "how many starts, over the bounds, beside the first"):default("0"):convert(function(text)
@@ -140,10 +142,15 @@ local function judge(o, best)
     seed = o.seed, trust = o.trust, verify = true }
 end
 
+-- What hooke.fit{} of a script may say.
+local fields = { scene = "scene", data = "data", params = "params", by = "parameters", starts = "option", tolerance = "option",
+  accuracy = "option", most = "option", integrator = "option", seed = "option", jobs = "option" }
+
 local function options()
-  local o = command_line.parse("fit", parser())
-  if not o then return nil end
-  local fine, why = command_line.take_scene("fit", o)
+  local o, why = description.parse("fit", parser, fields)
+  if not o then return nil, why end
+  local fine
+  fine, why = command_line.take_scene("fit", o)
   if not fine then return nil, why end
   if not o.data then return nil, "no data: --data FILE.csv" end
   o.parameters, why = parameters.wanted(o.by)
@@ -177,7 +184,7 @@ local function main()
   fine, why = report.write(o, minima)
   if not fine then
     complain("%s", why)
-    return 4
+    return o.unanswered and 1 or 4
   end
   o.journal:remove()
   return report.is_sure(minima[1]) and 0 or 2

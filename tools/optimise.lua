@@ -2,11 +2,13 @@
 -- least effort. Controls are functions of time, scene:control(); goals are of the scene, scene:goal{}, or measures at the end;
 -- the effort is the integral of the controls' squares, or what scene:cost() says. By gradients of the steps taken (one adjoint a
 -- goal), from several starts; every optimum is run again by an independent method, and what it misses is said. One that was
--- interrupted goes on where it was.
+-- interrupted goes on where it was. In the place of the scene may stand a script that says all of this: return hooke.optimise {
+-- scene = "FILE.lua", goal = { x = 1 }, found = function(optimum) ... end }.
 local argparse = require("argparse")
 local asked = require("common.optimise.asked")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
+local description = require("common.run.description")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 local memory = require("common.optimise.memory")
@@ -20,7 +22,7 @@ local function complain(format, ...) return command_line.complain("optimise", fo
 
 local function parser()
   local p = argparse("hooke optimise", "The controls that bring a scene to goals with least effort.")
-  p:argument("scene", "the scene's script, and values of parameters, name=value"):args("+")
+  p:argument("scene", "the scene's script, or one with hooke.optimise{}, and values of parameters, name=value"):args("+")
   p:option("--goal", "measures and the values that they shall have, x=1,v=0, in the place of the scene's goals"):count("*")
   p:option("--by", "the controls (all that the scene has)"):count("*")
   p:option("--at", "s, the time of the goals of --goal (the end)"):convert(command_line.positive("--at"))
@@ -46,10 +48,16 @@ local function parser()
   return p
 end
 
+-- What hooke.optimise{} of a script may say.
+local fields = { scene = "scene", params = "params", goal = "numbers", by = "list", without = "list", at = "option",
+  starts = "option", refine = "option", way = "option", most = "option", tolerance = "option", accuracy = "option",
+  integrator = "option", dt = "option" }
+
 local function options()
-  local o = command_line.parse("optimise", parser())
-  if not o then return nil end
-  local fine, why = command_line.take_scene("optimise", o)
+  local o, why = description.parse("optimise", parser, fields)
+  if not o then return nil, why end
+  local fine
+  fine, why = command_line.take_scene("optimise", o)
   if not fine then return nil, why end
   o.goals, why = asked.goals(o.goal)
   if not o.goals then return nil, why end
@@ -102,7 +110,7 @@ local function main()
   fine, why = report.write(o, optima)
   if not fine then
     complain("%s", why)
-    return 4
+    return o.unanswered and 1 or 4
   end
   o.memory:remove()
   return #optima[1].doubts == 0 and 0 or 2

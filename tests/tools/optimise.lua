@@ -108,6 +108,20 @@ assert(math.abs(cost - 6 - 0.02 ^ 2 / 12 * 2 * 3 ^ 2 * 2) < 3e-6, text)
 cost, text = cost_of("bounded.lua cost=none")
 assert(math.abs(cost) < 1e-6, text)
 
+-- A muscle brings two particles d = 0.4 m nearer in T = 1 s, from rest to rest: 12 u^2 d^2/T^3 with their reduced mass u = 3/4 kg, by
+-- a tension that is linear in time.
+write("muscle.lua", [[
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "rk4", dt = 0.025 }
+local tension = scene:control("tension", { knots = 5, help = "N" })
+local p, q = scene:particle { position = { 0, 0, 0 }, mass = 1 }, scene:particle { position = { 1, 0, 0 }, mass = 3 }
+scene:force("muscles", { edges = { { p, q } }, tension = tension })
+scene:measure("distance", function(s) return s:position(q)[1] - s:position(p)[1] end)
+scene:measure("rate", function(s) return s:velocity(q)[1] - s:velocity(p)[1] end)
+return scene
+]])
+cost, iterations, text = optimum("muscle.lua --goal distance=0.6,rate=0")
+assert(math.abs(cost / (12 * 0.75 ^ 2 * 0.16) - 1) < 1e-10 and iterations == 1, text)
+
 -- ---- by transcription: unknown are the states at knots as well ----
 
 -- Rest to rest is linear with a square as cost: one step. Its states and controls are exact to rounding.

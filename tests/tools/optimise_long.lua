@@ -82,4 +82,20 @@ assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s ap
 local by_states, words, iterations = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription")
 assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 30, words)
 
+-- One that is ended after a few iterations goes on with the next one, and comes to the same optimum, bit by bit.
+local goals = "cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription "
+local function stopped(path, count)
+  return ("sh -c '\"$@\" & p=$!; while [ $(cat %s/evaluations.json 2>/dev/null | grep -c penalty) -lt %d ]; do sleep 0.01; "
+    .. "done; kill -9 $p' sh"):format(path, count)
+end
+runs.run(goals .. "--out stopped", stopped("stopped", 5))
+local last
+for found in runs.read("stopped/evaluations.json"):gmatch('"iteration":(%d+)') do last = tonumber(found) end
+assert(last >= 5 and last < iterations, last)
+local _, again = runs.run(goals .. "--out stopped --most " .. iterations + 1)
+assert(again:match("optimum 1: [^,]*") == words:match("optimum 1: [^,]*"), again .. words)
+assert(runs.read("stopped/1-push.txt") == runs.read("out/optimise/cart_pole/1-push.txt"))
+local evaluations = io.open(runs.folder .. "/stopped/evaluations.json")
+assert(not evaluations)
+
 runs.close()

@@ -1,7 +1,8 @@
-/* hooke.definition(path [, name]): the table that a script returns, with a name through hooke.NAME{}. The script only
- * describes something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their
- * sandbox and limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans
- * and tables. */
+/* hooke.definition(path [, name [, answers]]): the table that a script returns, with a name through hooke.NAME{}. The
+ * script only describes something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own
+ * with their sandbox and limits, where hooke has nothing but that function. What comes out is copied: texts, numbers,
+ * booleans and tables; in the place of the function `answers` of the table, if it has that, stands true: hooke.ask
+ * calls it. */
 #include "core/app/tools/tools.h"
 
 #include <lauxlib.h>
@@ -11,6 +12,7 @@ static const char marked; /* its address is the key of the table in the registry
 typedef struct definition {
   lua_State *to;           /* the tool's, in which the table is put on the stack */
   const char *path, *name; /* name NULL: the table as it is */
+  const char *answers;     /* NULL: no function may be in it */
 } definition;
 
 static int mark(lua_State *L) {
@@ -33,6 +35,17 @@ static void open_hooke(lua_State *L, const char *name) {
   lua_setglobal(L, "hooke");
 }
 
+/* In the table on top of the stack, past its metatable. */
+static void take_function_for_true(lua_State *L, const char *name) {
+  lua_pushstring(L, name);
+  bool is_function = lua_rawget(L, -2) == LUA_TFUNCTION;
+  lua_pop(L, 1);
+  if (!is_function) return;
+  lua_pushstring(L, name);
+  lua_pushboolean(L, true);
+  lua_rawset(L, -3);
+}
+
 static int run(lua_State *L) {
   definition *d = lua_touserdata(L, 1);
   open_hooke(L, d->name);
@@ -46,12 +59,14 @@ static int run(lua_State *L) {
   lua_rawgetp(L, LUA_REGISTRYINDEX, &marked);
   if (!lua_istable(L, -1) || !lua_rawequal(L, -1, -2))
     hk_lua_fail(L, HK_SCRIPT, "%s: a %s script ends with return hooke.%s { ... }", d->path, d->name, d->name);
+  if (d->answers) take_function_for_true(L, d->answers);
   hk_tool_copy(d->to, L, what);
   return 0;
 }
 
 int hk_tool_definition(lua_State *L) {
   definition d = {.to = L, .path = luaL_checkstring(L, 1), .name = luaL_optstring(L, 2, NULL)};
+  d.answers = luaL_optstring(L, 3, NULL);
   hk_script_options options = *hk_script_asked(hk_lua_script(L));
   hk_error error = {0};
   int top = lua_gettop(L);

@@ -22,7 +22,7 @@ hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_o
 int hk_tool_catalogue(lua_State *L);    /* catalogue.c: the plugins and the failed loads */
 int hk_tool_describe(lua_State *L);     /* catalogue.c: one plugin, by its file */
 int hk_tool_explain(lua_State *L);      /* explain.c */
-int hk_tool_definition(lua_State *L);   /* definition.c: hooke.definition(path [, name]) */
+int hk_tool_definition(lua_State *L);   /* definition.c: hooke.definition(path [, name [, answers]]) */
 int hk_tool_ask(lua_State *L);          /* ask.c: hooke.ask(path, name, argument, {option = value}) */
 int hk_tool_load(lua_State *L);         /* load.c: hooke.load(path, {name = value}, {option = value}) */
 void hk_tool_open_verify(lua_State *L); /* verify.c: adds run:verify() */

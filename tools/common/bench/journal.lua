@@ -136,4 +136,19 @@ function store:remove()
 end
 
 journal.json = json
+
+local function without_null(value)
+  if value == json.null then return nil end
+  if type(value) ~= "table" then return value end
+  local copy = {}
+  for key, item in pairs(value) do copy[key] = without_null(item) end
+  return copy
+end
+
+-- What a text of JSON says, for scripts, which have no null: such members are left out. Or nil where it is none.
+function journal.decode(text)
+  local fine, value = pcall(json.decode, text)
+  if fine then return without_null(value) end
+end
+
 return journal

@@ -1,6 +1,7 @@
 -- What a fit has found: words on standard output, fit.json, fit.csv (data, fit and residuals), and a diagram of each measure.
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
+local description = require("common.run.description")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 local plot = require("common.run.plot")
@@ -144,7 +145,7 @@ local function json_text(o, minima)
   local list = {}
   for k, state in ipairs(minima) do list[k] = state_json(o, state) end
   return journal.json.encode { scene = o.scene, data = o.data, integrator = o.plugin, runs = o.runs.count, minima = list,
-    doubts = #minima[1].doubts > 0 and minima[1].doubts or journal.json.empty_array, sure = report.is_sure(minima[1]) }
+    answer = o.answer, doubts = #minima[1].doubts > 0 and minima[1].doubts or journal.json.empty_array, sure = report.is_sure(minima[1]) }
 end
 
 local function csv_text(o, best)
@@ -177,6 +178,7 @@ end
 function report.write(o, minima)
   local best = minima[1]
   best.doubts, best.unsure = doubts(o, best)
+  o.answer, o.unanswered = description.answer("fit", o, json_text(o, minima), "minima")
   local fine, why = files.write(o.out .. "/fit.json", json_text(o, minima) .. "\n")
   if fine then fine, why = files.write(o.out .. "/fit.csv", csv_text(o, best)) end
   local drawn = {}
@@ -188,9 +190,10 @@ function report.write(o, minima)
   end
   if o.json then command_line.print_json(json_text(o, minima)) else
     print_words(o, minima)
+    if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
     print(("wrote %s/fit.json, fit.csv and a diagram of each measure"):format(o.out))
   end
-  return fine, why
+  return fine and not o.unanswered, why or o.unanswered
 end
 
 return report

@@ -3,6 +3,7 @@
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local derivative = require("common.gradient.derivative")
+local description = require("common.run.description")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 local plot = require("common.run.plot")
@@ -71,7 +72,7 @@ local function json_text(o, optima)
       goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
   end
   return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,
-    optima = list, sure = #optima[1].doubts == 0 }
+    optima = list, answer = o.answer, sure = #optima[1].doubts == 0 }
 end
 
 local function csv_text(controls)
@@ -109,6 +110,7 @@ end
 
 -- Prints and writes everything; or nil and why not.
 function report.write(o, optima)
+  o.answer, o.unanswered = description.answer("optimise", o, json_text(o, optima), "optima")
   local fine, why = files.write(o.out .. "/optimum.json", json_text(o, optima) .. "\n")
   for k, optimum in ipairs(optima) do
     if fine then fine, why = files.write(("%s/%d.csv"):format(o.out, k), csv_text(optimum.controls)) end
@@ -120,14 +122,15 @@ function report.write(o, optima)
   if fine then fine, why = draw(o, optima) end
   if o.json then
     command_line.print_json(json_text(o, optima))
-    return fine, why
+    return fine and not o.unanswered, why or o.unanswered
   end
   print(("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
     and "cost" or "integral of the squares of the controls", o.at, o.plugin, o.dt))
   for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
+  if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
   local first = optima[1].controls[1].name
   print(("run it: hooke run %s %s=\"$(cat %s/1-%s.txt)\""):format(o.scene, first, o.out, first))
-  return fine, why
+  return fine and not o.unanswered, why or o.unanswered
 end
 
 return report

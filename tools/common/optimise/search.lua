@@ -3,6 +3,7 @@
 local asked = require("common.optimise.asked")
 local cost = require("common.optimise.cost")
 local evaluation = require("common.optimise.evaluation")
+local process = require("process")
 local progress = require("common.run.progress")
 local segments = require("common.optimise.segments")
 local sqp = require("common.optimise.sqp")
@@ -104,7 +105,15 @@ local function transcribed(o, controls, u, note, negligible)
     return found
   end
   local optimum, contradiction
-  optimum, why, contradiction = transcription.minimise { start = u, W = cost.matrix(controls), knots = #controls[1].values,
+  local words = ("transcription %d %s"):format(#u, o.dt or "")
+  local saved = o.memory:saved(words, u)
+  o.dt = saved and saved.dt or o.dt
+  local function save(state)
+    state.dt = o.dt
+    o.memory:save(words, u, state)
+  end
+  optimum, why, contradiction = transcription.minimise { start = u, saved = saved, save = save, W = cost.matrix(controls),
+    knots = #controls[1].values,
     controls = #controls, goals = goals, negligible = negligible, bounds = bounds_of(controls), most = o.most,
     tolerance = o.tolerance, evaluate = shoot, note = function(iteration, now, missing, values)
       note(iteration, now, missing)
@@ -199,15 +208,29 @@ local function with_more_knots(o, optimum, bar)
   return optimum
 end
 
+-- Tells `bar` of the iterations of start k, and how long all that --most lets may still take, at the pace of those before; most
+-- searches need fewer.
+local function narrator(o, k, bar)
+  local begun, first = process.clock(), nil
+  return function(iteration, now, missing)
+    first = first or iteration
+    local left = ""
+    if iteration > first then
+      local each = (process.clock() - begun) / (iteration - first)
+      left = (", %s left at most"):format(progress.duration(each * (o.most - iteration + (o.starts + 1 - k) * o.most)))
+    end
+    bar:add { note = ("start %d of %d, iteration %d of %d, cost %.6g, missing %.2g%s"):format(k, o.starts + 1, iteration, o.most,
+      now, missing, left) }
+  end
+end
+
 -- The optima, the cheapest first, those that are none last; or nil and why the first start fails.
 function search.optima(o)
   local optima, first, why = {}, nil, nil
   local bar = progress.new { what = "optimise", quiet = o.quiet }
   for k = 1, o.starts + 1 do
     local u = k == 1 and values_of(o.controls) or within_bounds(o.controls, starts.random(o.controls, k, size_of(first)))
-    local optimum, reason = optimum_from(o, o.controls, u, function(iteration, now, missing)
-      bar:add { note = ("start %d of %d, iteration %d, cost %.6g, missing %.2g"):format(k, o.starts + 1, iteration, now, missing) }
-    end)
+    local optimum, reason = optimum_from(o, o.controls, u, narrator(o, k, bar))
     first, why = first or optimum, why or reason
     local known
     for _, other in ipairs(optima) do known = known or optimum and same(other, optimum) and other end

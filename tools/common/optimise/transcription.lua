@@ -318,7 +318,16 @@ local function take(state, evaluate)
   return true
 end
 
+-- As a search that was interrupted left it.
+local function taken_up(options, saved)
+  return { u = saved.u, n = #saved.u, W = options.W, controls = options.controls, knots = options.knots, goals = options.goals,
+    negligible = options.negligible, bounds = options.bounds, d = #saved.nodes[1], nodes = saved.nodes, weights = saved.weights,
+    penalty = saved.penalty, price = saved.price, first = saved.iteration }
+end
+
 local function begin(options)
+  local saved = options.saved
+  if saved then return taken_up(options, saved) end
   local there, why = options.evaluate(options.start, nil, false)
   if not there then return nil, why end
   local state = { u = options.start, n = #options.start, W = options.W, controls = options.controls, knots = options.knots,
@@ -346,12 +355,18 @@ end
 
 -- options: start (u), W (of the effort u^T W u), knots, controls (how many), goals { { value, knot } }, evaluate(u, nodes, weights) ->
 -- { start, ends, J, H, goals, slopes } (weights nil or false: without H; nodes nil: those of the run), negligible, bounds, most,
--- tolerance, note(iteration, cost, missing, u). Returns what common/optimise/sqp.lua returns, with u.
+-- tolerance, note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on
+-- beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a state, from which it goes on. Returns what
+-- common/optimise/sqp.lua returns, with u.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
-  for iteration = 1, options.most do
+  for iteration = state.first or 1, options.most do
     local fine
+    if options.save then
+      options.save { iteration = iteration, u = state.u, nodes = state.nodes, weights = state.weights, penalty = state.penalty,
+        price = state.price }
+    end
     fine, why = take(state, options.evaluate)
     if not fine then return nil, why end
     local step = direction(state)

@@ -22,9 +22,9 @@ local function sentence(text)
   return (text:gsub("\nDid you mean", "; did you mean"):gsub("\n", " "))
 end
 
--- Parses arg; nil: the complaint is printed.
-function command_line.parse(tool, parser)
-  local fine, found = parser:pparse(arg)
+-- Parses the words, or arg; nil: the complaint is printed.
+function command_line.parse(tool, parser, words)
+  local fine, found = parser:pparse(words or arg)
   if fine then return found end
   found = sentence(found)
   command_line.complain(tool, ("%s; see: hooke %s --help"):format(found, tool))

@@ -1,7 +1,7 @@
 -- The commands that problems of `hooke validate` ask for: `hooke optimise` and `hooke fit` on a script and data that the problem
 -- writes. They run as a user's do, the script in its own sandbox; of their options those are let that neither write nor trust.
 local files = require("common.run.file")
-local json = require("common.bench.journal").json
+local journal = require("common.bench.journal")
 
 local tool_runs = {}
 
@@ -10,15 +10,6 @@ local lets = { goal = true, by = true, at = true, starts = true, refine = true, 
   dt = true, integrator = true, seed = true }
 
 local function quoted(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
-
--- Tables of JSON without its null, which no script has.
-local function plain(value)
-  if value == json.null then return nil end
-  if type(value) ~= "table" then return value end
-  local copy = {}
-  for key, item in pairs(value) do copy[key] = plain(item) end
-  return copy
-end
 
 -- { command =, script =, data =, words = } as a line for the shell, in the folder; or nil and what is wrong.
 local function line_of(asks, folder)
@@ -46,8 +37,8 @@ local function run_in(folder, asks)
   local pipe = io.popen(line)
   local text = pipe:read("a")
   pipe:close()
-  local decoded, found = pcall(json.decode, text)
-  if decoded and type(found) == "table" then return plain(found) end
+  local found = journal.decode(text)
+  if type(found) == "table" then return found end
   local file = io.open(folder .. "/said")
   local said = file and file:read("a") or ""
   if file then file:close() end
