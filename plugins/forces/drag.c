@@ -96,6 +96,32 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+enum { EACH, RATE, VISCOSITY }; /* rows of the table */
+
+/* By what F has in proportion to -v, from which the coefficient of particle i is made. */
+static void add_slopes(const drag *p, const hk_view *view, size_t i, double uv, const hk_transposed *into) {
+  if (p->channel)
+    into->parameter[VISCOSITY][0] -= six_pi * view->y[p->channel->offset * view->n + i] * uv;
+  else if (isnan(p->d)) {
+    into->parameter[RATE][0] -= view->model->mass[i] * uv;
+    into->mass[i] -= p->rate * uv;
+  } else
+    into->parameter[EACH][0] -= uv;
+}
+
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = hk_acting_particle(view, k);
+    double d = coefficient(self, view, i), uv = 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+      into->v[c] -= d * u[c];
+      uv += u[c] * view->v[c];
+    }
+    if (into->parameter) add_slopes(self, view, i, uv, into);
+  }
+  return HK_OK;
+}
+
 /* D is the coefficient of each particle. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   for (size_t k = 0; part == HK_DAMPING_WHOLE && k < view->acting; k++) {
@@ -110,7 +136,7 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
     .add = add,
     .add_part = add_part,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound)),
 };
 

@@ -43,13 +43,25 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const gravity *s = self;
+  for (size_t k = 0; into->parameter && k < view->acting; k++) {
+    size_t i = hk_acting_particle(view, k);
+    for (size_t c = 0; c < 3; c++) {
+      into->parameter[0][c] += view->model->mass[i] * u[3 * i + c];
+      into->mass[i] += s->g[c] * u[3 * i + c];
+    }
+  }
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_SYMMETRIC_JACOBIAN,
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

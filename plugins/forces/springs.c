@@ -4,6 +4,7 @@
 #include "plugins/kit/springs/edge.h"
 #include "plugins/kit/springs/edge_order.h"
 #include "plugins/kit/springs/spring_blocks.h"
+#include "plugins/kit/springs/spring_transposed.h"
 
 typedef struct springs {
   hk_tuples edges;
@@ -12,6 +13,8 @@ typedef struct springs {
   hk_elements acting; /* the springs that act, where the force acts on some particles only */
   const hk_host *host;
 } springs;
+
+enum { K = 1, DAMPING, REST }; /* rows of the table */
 
 static const hk_param params[] = {
     {"edges", "", "pairs of particles to join", .edges = HK_AT(springs, edges), .flags = HK_REQUIRED},
@@ -126,6 +129,15 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const springs *s = self;
+  const hk_elements all = {.node = s->edges, .stiffness = s->k, .damping = s->damping, .rest = s->rest};
+  hk_spring_slopes slopes = {0};
+  if (into->parameter) slopes = (hk_spring_slopes){into->parameter[K], into->parameter[DAMPING], into->parameter[REST]};
+  hk_spring_transposed(&all, view, u, into, &slopes);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -133,7 +145,7 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
                         HK_PARTS_FACET(.touch = parts)),
 };

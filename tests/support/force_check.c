@@ -85,6 +85,32 @@ static void expand(const names *list, const double *block, size_t size, double *
       full[(3 * list->at[b][0] + q / 3) * size + 3 * list->at[b][1] + q % 3] += block[9 * b + q];
 }
 
+static double largest(const double *list, size_t count) {
+  double most = 0;
+  for (size_t e = 0; e < count; e++) most = fmax(most, fabs(list[e]));
+  return most;
+}
+
+/* A product of the force's own is that of its blocks up to rounding, which is of the size of the largest number of the
+ * blocks, since parts of a block may cancel. */
+static void check_transposed(const hk_instance *force, const hk_view *view, const double *K, const double *D) {
+  const hk_implicit_facet *f = &hk_force_of(force->plugin)->implicit;
+  size_t size = 3 * view->n;
+  double *u = calloc(3 * size + 1, sizeof *u), *x = u + size, *v = x + size;
+  double by_x = 1e-12 * largest(K, size * size), by_v = 1e-12 * largest(D, size * size);
+  for (size_t e = 0; e < size; e++) u[e] = cos(1.3 * (double)e);
+  assert_int_equal(f->transposed(force->self, view, u, &(hk_transposed){.x = x, .v = v}), HK_OK);
+  for (size_t e = 0; e < size; e++) {
+    double of_x = x[e], of_v = v[e];
+    for (size_t r = 0; r < size; r++) {
+      of_x += K[r * size + e] * u[r];
+      of_v += D[r * size + e] * u[r];
+    }
+    if (!(fabs(of_x) <= by_x && fabs(of_v) <= by_v)) fail_msg("%zu: %g of %g, %g of %g", e, of_x, by_x, of_v, by_v);
+  }
+  free(u);
+}
+
 size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, double *D) {
   names list = {.pattern = {name}};
   hk_force_of(force->plugin)->implicit.pattern(force->self, view, &list.pattern);
@@ -96,6 +122,7 @@ size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, 
   assert_int_equal(hk_force_of(force->plugin)->implicit.jacobian(force->self, view, &into), HK_OK);
   expand(&list, block[0], 3 * view->n, K);
   expand(&list, block[1], 3 * view->n, D);
+  if (hk_force_of(force->plugin)->implicit.transposed) check_transposed(force, view, K, D);
   for (int m = 0; m < 2; m++) free(block[m]);
   free(slot);
   free(list.at);

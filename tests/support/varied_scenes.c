@@ -2,6 +2,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -60,6 +61,23 @@ void varied_run(varied_runs *r, double t) {
   hk_error error = {0};
   test_advance(&r->base, t);
   if (hk_sensitivity_finish(r->s, &error) != HK_OK) fail_msg("%s", error.text);
+}
+
+void varied_keep(varied_runs *r, size_t stride) {
+  hk_sensitivity *s = r->s;
+  size_t size = 9 * s->n;
+  double *Z = calloc(size, sizeof *Z);
+  s->kept = realloc(s->kept, (s->steps / stride + 1) * size * sizeof *s->kept);
+  s->tape = realloc(s->tape, stride * s->method->count * size * sizeof *s->tape);
+  assert_true(Z && s->kept && s->tape);
+  memcpy(Z, s->start, 6 * s->n * sizeof *Z);
+  for (size_t k = 0; k < s->steps; k += stride) {
+    memcpy(s->kept + k / stride * size, Z, size * sizeof *Z);
+    size_t end = k + stride < s->steps ? k + stride : s->steps;
+    assert_int_equal(hk_sensitivity_record(s, k, end, Z), HK_OK);
+  }
+  s->stride = stride;
+  free(Z);
 }
 
 void varied_end(const varied_runs *r, size_t k, double by, double t, double *X) {

@@ -31,6 +31,8 @@ void varied_open(varied_runs *, varied_scene *, const char *integrator, const do
                  double dt);
 /* Runs the base to t, and takes its steps again. */
 void varied_run(varied_runs *, double t);
+/* In place of all points, states are kept every so many steps. */
+void varied_keep(varied_runs *, size_t stride);
 /* x and v (6n) at t of a run of its own, whose parameter k is p[k] + by. */
 void varied_end(const varied_runs *, size_t k, double by, double t, double *X);
 void varied_close(varied_runs *);

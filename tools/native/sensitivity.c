@@ -99,7 +99,7 @@ static int about(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)s->steps);
   lua_pushinteger(L, (lua_Integer)s->n);
   lua_pushstring(L, s->inexact);
-  lua_pushnumber(L, hk_sensitivity_bytes(s->n, s->steps));
+  lua_pushnumber(L, hk_sensitivity_bytes(s->n, s->steps, s->method->count));
   return 4;
 }
 
@@ -156,34 +156,6 @@ static int tangents(lua_State *L) {
 
 /* ---- backwards ---- */
 
-/* What the measure is where one number of the run's own state is another one for the time of the call. */
-static hk_status measure_beside(record *r, size_t e, double by, double *value) {
-  double *number = &r->run->state.X[e], before = *number;
-  *number += by;
-  hk_status status = hk_figures_measure(&r->run->loop, &r->run->judgement, r->run);
-  *number = before;
-  *value = r->run->judgement.measure[r->measure];
-  if (status != HK_OK) return hk_error_set(&r->error, status, "%s", r->run->error.text);
-  if (isfinite(*value)) return HK_OK;
-  return hk_error_set(&r->error, HK_FAILED, "the measure is not finite beside the end of the run");
-}
-
-/* d(measure)/d(x, v) at the end, by differences in each number. */
-static hk_status by_state(record *r, double *slope) {
-  const double *X = r->run->state.X;
-  size_t v = 3 * r->steps->n;
-  double by[2];
-  hk_status status = HK_OK;
-  hk_record_reach(r, X, by);
-  for (size_t e = 0; e < 2 * v && status == HK_OK; e++) {
-    double more, less = 0, step = by[e >= v];
-    status = measure_beside(r, e, step, &more);
-    if (status == HK_OK) status = measure_beside(r, e, -step, &less);
-    slope[e] = (more - less) / (2 * step);
-  }
-  return status;
-}
-
 /* record:adjoint(measure) -> a list of the derivatives at the end by each parameter, of a function of time the list of
  * those by its values at the knots; or nil and a reason. */
 static int adjoint(lua_State *L) {
@@ -192,7 +164,7 @@ static int adjoint(lua_State *L) {
   r->measure = hk_record_measure_named(L, r, 2);
   hk_error_clear(&r->error);
   double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0);
-  hk_status status = by_state(r, X);
+  hk_status status = hk_record_slope(r, r->run->state.t, r->run->state.X, X);
   if (status == HK_OK) status = hk_sensitivity_adjoint(r->steps, X, r->by, r->count, slope, &r->error);
   lua_createtable(L, (int)r->count, 0);
   for (size_t j = 0; j < r->count && status == HK_OK; j++) {

@@ -1,5 +1,5 @@
 /* The adjoint: the transposed derivative of each step, from the last one to the first. */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/force_slopes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,8 +8,11 @@ typedef struct adjoint {
   hk_sensitivity *s;
   const hk_varied *by;
   size_t count;
-  hk_carried *L;             /* the adjoint of the state */
-  hk_carried *segment;       /* the states of a segment */
+  hk_carried *L, *Z;         /* the adjoint of the state; a state */
+  hk_carried *segment;       /* the states after the steps of a segment; NULL: nobody asks for them */
+  hk_force_slopes by_forces; /* by what forces are, for the parameters that `chained` has */
+  bool *chained, any;        /* one per parameter, and whether it is true of any */
+  bool compares;             /* some force is not covered: it is compared between runs */
   double *u[HK_MOST_STAGES]; /* 3n, the adjoint of a stage's acceleration */
   double *dX;                /* 6n, that of its point */
   double *own;               /* 3n, da/dp */
@@ -39,12 +42,19 @@ void hk_knots_note(const hk_knots *knots, double t, double slope) {
   knots->slope[k + 1] += part * slope;
 }
 
+/* The forces that the chain rule does not cover, and the paths of pins, which no parameter may change. */
+static bool moves_pins(const hk_varied *by) {
+  const hk_pins *more = by->more->pins, *less = by->less->pins;
+  return more->has_paths || more->has_slides || less->has_paths || less->has_slides;
+}
+
 static hk_status note_parameters(adjoint *w, size_t k) {
   const hk_stage_point *p = &w->s->point[k];
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double slope = 0;
-    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->own);
+    if (w->chained[j] && !w->compares && !moves_pins(&w->by[j])) continue;
+    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->chained[j] ? w->by_forces.covers : NULL, w->own);
     for (size_t e = 0; e < 3 * w->s->n; e++) slope += w->u[k][e] * w->own[e];
     w->slope[j] += slope;
     if (w->by[j].knots) hk_knots_note(w->by[j].knots, p->t, slope);
@@ -63,7 +73,7 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
     memcpy(L + 2 * v, w->u[k], v * sizeof *L);
     return HK_OK;
   }
-  hk_status status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX);
+  hk_status status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
   for (size_t e = 0; e < v; e++) {
     L[e] += dX[e];
     L[v + e] += m->c[k] * h * dX[e] + dX[v + e];
@@ -73,30 +83,54 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
   return status == HK_OK ? note_parameters(w, k) : status;
 }
 
-/* The steps begin to end - 1, the last one first. */
-static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
+/* The points of the steps begin to end - 1, and the states after them where they are asked for. */
+static hk_status have_segment(adjoint *w, size_t begin, size_t end) {
   hk_sensitivity *s = w->s;
   size_t size = 9 * s->n;
   hk_status status = HK_OK;
-  memcpy(w->segment, s->kept + begin / s->stride * size, size * sizeof *w->segment);
-  for (size_t i = begin; i + 1 < end && status == HK_OK; i++) {
-    hk_carried *next = w->segment + (i + 1 - begin) * size;
-    memcpy(next, next - size, size * sizeof *next);
-    status = hk_sensitivity_step(s, &s->step[i], next);
+  if (!w->segment && s->first == begin && s->taped == end - begin) return HK_OK;
+  memcpy(w->Z, s->kept + begin / s->stride * size, size * sizeof *w->Z);
+  if (!w->segment) return hk_sensitivity_record(s, begin, end, w->Z);
+  s->first = begin;
+  s->taped = 0;
+  for (size_t i = begin; i < end && status == HK_OK; i++) {
+    hk_sensitivity_rewind(s, i);
+    status = hk_sensitivity_step(s, &s->step[i], w->Z);
+    memcpy(w->segment + (i - begin) * 6 * s->n, w->Z, 6 * s->n * sizeof *w->Z);
+    s->taped += status == HK_OK;
   }
+  return status;
+}
+
+/* The steps begin to end - 1, the last one first. */
+static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
+  hk_sensitivity *s = w->s;
+  hk_status status = have_segment(w, begin, end);
   for (size_t i = end; i-- > begin && status == HK_OK;) {
-    hk_carried *after = w->segment + (i - begin) * size;
-    status = hk_sensitivity_step(s, &s->step[i], after);
-    if (s->source && status == HK_OK) status = s->source(s->source_context, s->step[i].t + s->step[i].h, after, w->L);
+    const double *after = w->segment ? w->segment + (i - begin) * 6 * s->n : NULL;
+    hk_sensitivity_rewind(s, i);
+    if (after) status = s->source(s->source_context, s->step[i].t + s->step[i].h, after, w->L);
     depart(w, &s->step[i]);
     for (size_t k = s->method->count; k-- > 0 && status == HK_OK;) status = stage_of(w, &s->step[i], k);
   }
   return status;
 }
 
+/* By what forces and masses are, whatever steps. */
+static hk_status prepare_slopes(adjoint *w) {
+  hk_dynamics *d = w->s->dynamics;
+  hk_status status = hk_force_slopes_open(&w->by_forces, d);
+  w->chained = calloc(w->count + 1, sizeof *w->chained);
+  if (status != HK_OK || !w->chained)
+    return hk_error_set(d->error, HK_NO_MEMORY, "no memory for derivatives of forces");
+  w->compares = !w->by_forces.all;
+  for (size_t j = 0; j < w->count; j++) w->any |= w->chained[j] = hk_force_slopes_fit(&w->by_forces, d, &w->by[j]);
+  return HK_OK;
+}
+
 static hk_status all_steps(adjoint *w, double *X) {
   hk_sensitivity *s = w->s;
-  hk_status status = HK_OK;
+  hk_status status = prepare_slopes(w);
   memcpy(w->L, X, 6 * s->n * sizeof *X);
   memset(w->slope, 0, w->count * sizeof *w->slope);
   for (size_t j = 0; j < w->count; j++)
@@ -111,6 +145,7 @@ static hk_status all_steps(adjoint *w, double *X) {
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     hk_sensitivity_start(&w->by[j], s->n, w->dX);
     for (size_t e = 0; e < 6 * s->n; e++) w->slope[j] += X[e] * w->dX[e];
+    if (w->chained[j]) w->slope[j] += hk_force_slopes_by(&w->by_forces, s->dynamics, &w->by[j]);
   }
   return status;
 }
@@ -124,15 +159,19 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *s, double *X, const hk_varied *
                         "force '%s' states no exact Jacobian, which the derivative backwards needs: take it forwards, "
                         "by parameters",
                         s->inexact);
-  double *memory = calloc((6 + s->method->count + 3 * s->stride) * v, sizeof *memory);
+  double *memory = calloc((9 + s->method->count + (s->source ? 2 * s->stride : 0)) * v, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for an adjoint of %zu steps", s->steps);
   w.L = memory;
   w.dX = memory + 3 * v;
   w.own = memory + 5 * v;
   for (size_t k = 0; k < s->method->count; k++) w.u[k] = memory + (6 + k) * v;
-  w.segment = memory + (6 + s->method->count) * v;
+  w.Z = memory + (6 + s->method->count) * v;
+  w.segment = s->source ? w.Z + 3 * v : NULL;
   hk_status status = all_steps(&w, X);
+  hk_force_slopes_close(&w.by_forces, s->dynamics);
+  free(w.chained);
   free(memory);
+  hk_sensitivity_untape(s);
   if (status != HK_OK && !*error->text) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;
 }

@@ -1,7 +1,9 @@
 /* The derivative of the accelerations at a point of a step: by the blocks of the forces whose Jacobian is exact, and by
- * central differences along the change for the others; by a parameter, by differences between two runs. */
+ * central differences along the change for the others; by a parameter, by differences between two runs. Transposed, by
+ * products of the forces' own where they have them. */
+#include "core/engine/contract/contract.h"
 #include "core/numerics/implicit/implicit.h"
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/force_slopes.h"
 
 #include <float.h>
 #include <string.h>
@@ -82,15 +84,30 @@ hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, si
   return status;
 }
 
-hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX) {
+/* ---- transposed ---- */
+
+static const hk_force_tables *tables_at(const hk_dynamics *d, size_t k) {
+  return hk_force_of(d->plugins->kind[HK_FORCE].item[k]->plugin);
+}
+
+/* Which forces have no product of their own, and are not constant; whether there are any. */
+static bool take_only_blocks(hk_dynamics *d) {
+  bool any = false;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    const hk_force_tables *f = tables_at(d, k);
+    d->takes[k] = !f->implicit.transposed && f->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
+    any |= d->takes[k];
+  }
+  return any;
+}
+
+static hk_status transposed_blocks(hk_sensitivity *s, const hk_stage_point *p, const double *force, double *dX) {
   hk_matrix K, D;
   size_t v = 3 * s->n;
-  double *force = s->scratch;
-  hk_status status = blocks(s, p, &K, &D);
-  memset(dX, 0, 2 * v * sizeof *dX);
-  memcpy(force, u, v * sizeof *u);
-  divide(s, force);
-  for (size_t i = 0; i < s->n && status == HK_OK; i++)
+  bool any = take_only_blocks(s->dynamics);
+  hk_status status = any ? hk_jacobian_assemble(&s->dynamics->system, p->t, p->X, 0, &K, &D) : HK_OK;
+  hk_dynamics_take_all(s->dynamics);
+  for (size_t i = 0; any && i < s->n && status == HK_OK; i++)
     for (size_t e = K.row_start[i]; e < K.row_start[i + 1]; e++)
       for (size_t q = 0; q < 9; q++) {
         size_t at = 3 * (size_t)K.column[e] + q % 3;
@@ -100,6 +117,39 @@ hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, 
   return status;
 }
 
+static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p, const double *force, double *dX,
+                                     hk_force_slopes *slopes) {
+  hk_dynamics *d = s->dynamics;
+  hk_status status = hk_dynamics_set_time(d, p->t);
+  for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
+    hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
+    if (!tables_at(d, k)->implicit.transposed || !d->force_acts[k]) continue;
+    const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
+    hk_transposed into = {dX, dX + 3 * s->n, NULL, NULL};
+    if (slopes && slopes->covers[k]) into.parameter = (double *const *)slopes->force[k], into.mass = slopes->mass;
+    const hk_instance *outer = hk_enter(one);
+    status = tables_at(d, k)->implicit.transposed(one->self, &view, force, &into);
+    status = hk_leave_with(one, outer, "transposed", status);
+  }
+  return status;
+}
+
+hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX,
+                                    hk_force_slopes *slopes) {
+  const double *by_mass = s->dynamics->state->model.inverse_mass;
+  size_t v = 3 * s->n;
+  double *force = s->scratch;
+  memset(dX, 0, 2 * v * sizeof *dX);
+  memcpy(force, u, v * sizeof *u);
+  divide(s, force);
+  hk_status status = transposed_by_force(s, p, force, dX, slopes);
+  for (size_t i = 0; slopes && i < s->n; i++) /* a = F/m */
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * u[e] * p->a[e];
+  return status == HK_OK ? transposed_blocks(s, p, force, dX) : status;
+}
+
+/* ---- by a parameter ---- */
+
 /* A pin's path is imposed on the place that an evaluation is given. */
 static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t count) {
   if (memcmp(more, less, count * sizeof *more) == 0) return HK_OK;
@@ -108,13 +158,22 @@ static hk_status refuse_moved_path(const hk_varied *by, const double *more, cons
       "a parameter changes the path of a pin, which is not differentiated: let a force draw the particle along it");
 }
 
-hk_status hk_sensitivity_by_parameter(hk_sensitivity *s, const hk_stage_point *p, const hk_varied *by, double *a) {
+static void leave_out(hk_dynamics *d, const bool *without) {
+  for (size_t k = 0; without && k < d->split.forces; k++) d->takes[k] = !without[k];
+}
+
+hk_status hk_sensitivity_by_parameter(hk_sensitivity *s, const hk_stage_point *p, const hk_varied *by,
+                                      const bool *without, double *a) {
   size_t v = 3 * s->n;
   double *X = s->scratch, *Y = X + 2 * v, *less = Y + 2 * v;
   memcpy(X, p->X, 2 * v * sizeof *X); /* an evaluation imposes pins */
   memcpy(Y, p->X, 2 * v * sizeof *Y);
+  leave_out(by->more, without);
+  leave_out(by->less, without);
   hk_status status = hk_sensitivity_evaluate(by->more, p->t, X, a);
   if (status == HK_OK) status = hk_sensitivity_evaluate(by->less, p->t, Y, less);
+  hk_dynamics_take_all(by->more);
+  hk_dynamics_take_all(by->less);
   if (status == HK_OK) status = refuse_moved_path(by, X, Y, 2 * v);
   for (size_t e = 0; e < v && status == HK_OK; e++) a[e] = (a[e] - less[e]) / (2 * by->by);
   if (status == HK_OK) return HK_OK;

@@ -121,10 +121,7 @@ static hk_status reserve(hk_sensitivity *s) {
   s->start = malloc((2 * v + 1) * sizeof *s->start);
   s->scratch = malloc(((5 + 3 * stages) * v + 1) * sizeof *s->scratch);
   if (!s->exact || !s->start || !s->scratch) return HK_NO_MEMORY;
-  for (size_t k = 0; k < stages; k++) {
-    s->point[k].X = s->scratch + (5 + 3 * k) * v;
-    s->point[k].a = s->point[k].X + 2 * v;
-  }
+  hk_sensitivity_untape(s);
   memcpy(s->start, s->loop->state->X, 2 * v * sizeof *s->start);
   return HK_OK;
 }
@@ -150,11 +147,19 @@ hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *er
 
 /* ---- the steps taken again ---- */
 
-static size_t stride_of(size_t steps) { return steps > 1 ? (size_t)ceil(sqrt((double)steps)) : 1; }
+/* Numbers of the tape of one step. */
+static size_t taped(size_t n, size_t stages) { return 9 * n * stages; }
 
-double hk_sensitivity_bytes(size_t n, size_t steps) {
-  double stride = (double)stride_of(steps);
-  return ((double)steps / stride + 1 + stride) * 9 * (double)n * sizeof(double);
+/* As many steps as the tape takes at least, and sqrt N: so memory grows no faster. */
+static size_t stride_of(size_t n, size_t steps, size_t stages) {
+  double room = HK_TAPE_MOST / ((double)taped(n, stages) * sizeof(double) + 1);
+  double stride = fmin(fmax(floor(room), ceil(sqrt((double)steps))), (double)steps);
+  return stride > 1 ? (size_t)stride : 1;
+}
+
+double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages) {
+  double stride = (double)stride_of(n, steps, stages), kept = ceil((double)steps / stride);
+  return (kept * 9 * (double)n + stride * (double)taped(n, stages)) * sizeof(double);
 }
 
 /* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size. */
@@ -178,19 +183,21 @@ static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
   hk_status status = HK_OK;
   memset(Z, 0, size * sizeof *Z);
   memcpy(Z, s->start, 6 * s->n * sizeof *Z);
-  for (size_t k = 0; k < s->steps && status == HK_OK; k++) {
-    if (k % s->stride == 0) memcpy(s->kept + k / s->stride * size, Z, size * sizeof *Z);
-    status = hk_sensitivity_step(s, &s->step[k], Z);
+  for (size_t k = 0; k < s->steps && status == HK_OK; k += s->stride) {
+    size_t end = k + s->stride < s->steps ? k + s->stride : s->steps;
+    memcpy(s->kept + k / s->stride * size, Z, size * sizeof *Z);
+    status = hk_sensitivity_record(s, k, end, Z);
   }
   return status;
 }
 
 hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   s->loop->hooks = s->hooks;
-  s->stride = stride_of(s->steps);
+  s->stride = stride_of(s->n, s->steps, s->method->count);
   s->kept = malloc(((s->steps / s->stride + 1) * 9 * s->n + 1) * sizeof *s->kept);
+  s->tape = malloc((s->stride * taped(s->n, s->method->count) + 1) * sizeof *s->tape);
   hk_carried *Z = malloc((9 * s->n + 1) * sizeof *Z);
-  hk_status status = s->no_memory || !s->kept || !Z ? HK_NO_MEMORY : HK_OK;
+  hk_status status = s->no_memory || !s->kept || !s->tape || !Z ? HK_NO_MEMORY : HK_OK;
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
@@ -209,6 +216,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->step);
   free(s->start);
   free(s->kept);
+  free(s->tape);
   free(s->exact);
   free(s->scratch);
   free(s);

@@ -26,7 +26,7 @@ static hk_status add_controls(segment *w, size_t k) {
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->controls && status == HK_OK; j++) {
     double *first = w->a[k] + (2 * v + 2 * j) * w->apart, *second = first + w->apart;
-    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->own);
+    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], NULL, w->own);
     for (size_t e = 0; e < v; e++) {
       first[e] += (1 - part) * w->own[e];
       second[e] += part * w->own[e];
@@ -87,6 +87,7 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
   w.end = s->step[last - 1].t + s->step[last - 1].h;
   memcpy(Z, X, 2 * v * sizeof *X);
   for (size_t j = 0; j < 2 * v && columns; j++) w.dZ[j * size + j] = 1;
+  hk_sensitivity_untape(s);
   hk_status status = all_steps(&w, first, last, Z);
   memcpy(X, Z, 2 * v * sizeof *X);
   for (size_t j = 0; j < columns; j++) memcpy(J + j * 2 * v, w.dZ + j * size, 2 * v * sizeof *J);

@@ -8,12 +8,17 @@
  * The work in X is not differentiated.
  *
  * While the run goes on only times and lengths of its steps are kept. Afterwards they are taken again, which has to
- * lead to the same end: whatever acts on the run beside its accelerations is found so. The adjoint needs the states in
- * reverse order: of N steps those of about sqrt N are kept, and the steps between two of them taken once more. */
+ * lead to the same end: whatever acts on the run beside its accelerations is found so. The adjoint needs the points of
+ * all evaluations in reverse order: of N steps the states of about sqrt N are kept, and the steps between two of them
+ * taken once more, with all points on a tape; of a short run all are on the tape at once. */
 #ifndef HK_SENSITIVITY_H
 #define HK_SENSITIVITY_H
 
 #include "core/engine/loop/loop.h"
+
+/* Bytes of a tape that is worth more than sqrt N steps: memory beyond the cache costs as much as the steps (cloth of 32
+ * x 32: 5.0 runs with 64 MiB, 4.8 with this; string of 101 particles: 10.4 and 7.8). */
+enum { HK_TAPE_MOST = 1 << 20 };
 
 typedef struct hk_taken_step {
   double t, h; /* s, its begin and its length */
@@ -58,12 +63,16 @@ typedef struct hk_sensitivity {
   const hk_stages_facet *method;
   size_t n, steps, room;
   hk_taken_step *step;
-  double reached;            /* s, the end of the last step */
-  bool no_memory;            /* for the list of steps */
-  hk_loop_hooks hooks;       /* those of the run, which are called as before */
-  double *start;             /* x and v before the first step */
-  size_t stride;             /* a state is kept every so many steps */
-  hk_carried *kept;          /* before steps 0, stride, 2 stride, ... */
+  double reached;      /* s, the end of the last step */
+  bool no_memory;      /* for the list of steps */
+  hk_loop_hooks hooks; /* those of the run, which are called as before */
+  double *start;       /* x and v before the first step */
+  size_t stride;       /* a state is kept every so many steps */
+  hk_carried *kept;    /* before steps 0, stride, 2 stride, ... */
+  /* Of the steps from `first` on, `taped` of them, the points at which they were evaluated: 9n numbers a stage. What an
+   * adjoint goes through backwards, and what does not have to be taken again where it is there. */
+  double *tape;
+  size_t first, taped;
   bool *exact;               /* one per force: its Jacobian is that of the force */
   bool all_exact;            /* others are differentiated by differences, which have no transpose */
   const char *inexact;       /* label of one that is not */
@@ -71,7 +80,7 @@ typedef struct hk_sensitivity {
   hk_adjoint_source *source; /* of a number that is no function of the last state alone: an integral; NULL: none */
   void *source_context;
   hk_stage_point point[HK_MOST_STAGES];
-  double *scratch; /* 15n, of products and differences; behind it the points */
+  double *scratch; /* 15n, of products and differences; behind it the points of a step that is not taped */
 } hk_sensitivity;
 
 /* ---- recording.c ---- */
@@ -83,7 +92,7 @@ hk_status hk_sensitivity_open(hk_loop *, hk_sensitivity **made, hk_error *);
 hk_status hk_sensitivity_finish(hk_sensitivity *, hk_error *);
 void hk_sensitivity_close(hk_sensitivity *);
 /* Bytes that the states take which an adjoint of so many steps of n particles keeps at a time. */
-double hk_sensitivity_bytes(size_t n, size_t steps);
+double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages);
 
 /* ---- tangent.c, adjoint.c: after `finish` ---- */
 
@@ -114,6 +123,12 @@ void hk_knots_note(const hk_knots *, double t, double slope);
 
 /* ---- stages.c ---- */
 
+/* Takes the steps first to last - 1 from Z to Z, and has their points on the tape, which has room for `stride`. */
+hk_status hk_sensitivity_record(hk_sensitivity *, size_t first, size_t last, hk_carried *Z);
+/* The points of a step that is on the tape. */
+void hk_sensitivity_rewind(hk_sensitivity *, size_t step);
+/* Points are no longer those of the tape. */
+void hk_sensitivity_untape(hk_sensitivity *);
 /* Takes a step from Z to Z, and keeps its points. */
 hk_status hk_sensitivity_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z);
 /* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before. */
@@ -130,10 +145,13 @@ hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a)
 /* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). */
 hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size_t count, size_t apart,
                                   const double *dX, double *a);
-/* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. */
-hk_status hk_sensitivity_transposed(hk_sensitivity *, const hk_stage_point *, const double *u, double *dX);
-/* da/dp, 3n. */
-hk_status hk_sensitivity_by_parameter(hk_sensitivity *, const hk_stage_point *, const hk_varied *, double *a);
+/* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. Adds to the slopes, if there are any, the derivatives of u.a by them. */
+typedef struct hk_force_slopes hk_force_slopes; /* force_slopes.h */
+hk_status hk_sensitivity_transposed(hk_sensitivity *, const hk_stage_point *, const double *u, double *dX,
+                                    hk_force_slopes *);
+/* da/dp, 3n, as far as it is by the forces that are not in `without`; NULL: all. */
+hk_status hk_sensitivity_by_parameter(hk_sensitivity *, const hk_stage_point *, const hk_varied *, const bool *without,
+                                      double *a);
 void hk_sensitivity_start(const hk_varied *, size_t n, double *dX); /* d(x, v)/dp of the start */
 
 #endif

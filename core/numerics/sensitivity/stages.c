@@ -43,18 +43,45 @@ void hk_sensitivity_arrive(const hk_sensitivity *s, const hk_taken_step *step, d
   memcpy(Z + 2 * v, a[m->count - 1], v * sizeof *Z);
 }
 
+/* ---- the tape ---- */
+
+static void put_points(hk_sensitivity *s, double *at) {
+  for (size_t k = 0; k < s->method->count; k++) {
+    s->point[k].X = at + 9 * s->n * k;
+    s->point[k].a = s->point[k].X + 6 * s->n;
+  }
+}
+
+void hk_sensitivity_untape(hk_sensitivity *s) { put_points(s, s->scratch + 15 * s->n); }
+
+void hk_sensitivity_rewind(hk_sensitivity *s, size_t step) {
+  put_points(s, s->tape + (step - s->first) * s->method->count * 9 * s->n);
+  for (size_t k = 0; k < s->method->count; k++) s->point[k].t = s->step[step].t + s->method->c[k] * s->step[step].h;
+}
+
+hk_status hk_sensitivity_record(hk_sensitivity *s, size_t first, size_t last, hk_carried *Z) {
+  hk_status status = HK_OK;
+  s->first = first;
+  s->taped = 0;
+  for (size_t i = first; i < last && status == HK_OK; i++) {
+    hk_sensitivity_rewind(s, i);
+    status = hk_sensitivity_step(s, &s->step[i], Z);
+    s->taped += status == HK_OK;
+  }
+  return status;
+}
+
+/* ---- a step ---- */
+
 hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_carried *Z) {
   double *a[HK_MOST_STAGES];
   size_t v = 3 * s->n;
   for (size_t k = 0; k < s->method->count; k++) {
     hk_stage_point *p = &s->point[k];
     p->t = step->t + s->method->c[k] * step->h;
-    a[k] = p->a;
+    a[k] = hk_sensitivity_evaluates(s, step, k) ? p->a : Z + 2 * v; /* which is overwritten when all is added */
+    if (a[k] != p->a) continue;
     hk_sensitivity_stage(s, step, k, Z, a, p->X);
-    if (!hk_sensitivity_evaluates(s, step, k)) {
-      memcpy(p->a, Z + 2 * v, v * sizeof *Z);
-      continue;
-    }
     hk_status status = hk_sensitivity_evaluate(s->dynamics, p->t, p->X, p->a);
     if (status != HK_OK) return status;
   }

@@ -26,7 +26,7 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
   if (!hk_sensitivity_evaluates(s, step, k)) return HK_OK;
   hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->a[k]);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
-    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], w->own);
+    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
     for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
   }
   return status;
@@ -68,6 +68,7 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t
   w.stage = w.dZ + all;
   for (size_t k = 0; k < s->method->count; k++) w.a[k] = w.stage + (k + 1) * all;
   w.own = w.stage + (s->method->count + 1) * all;
+  hk_sensitivity_untape(s);
   hk_status status = all_steps(&w, watch, context);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);

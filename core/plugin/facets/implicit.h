@@ -43,12 +43,27 @@ typedef struct hk_blocks {
 #define HK_IMPLICIT_ID "implicit/1"
 #define HK_IMPLICIT_FACET(...) HK_FACET(HK_IMPLICIT_ID, hk_implicit_facet, __VA_ARGS__)
 
-/* Both are required. A constant force names no blocks. With explicit methods the host may ask for the blocks of a force
- * without elements and without `update` for some of its particles alone, by their view, and for `jacobian` after it. */
+/* Of a vector u (n x 3) sums are added to: of u.F the derivatives by x, by v, and by what F depends on beside these. */
+typedef struct hk_transposed {
+  double *x, *v; /* n x 3: (dF/dx)^T u and (dF/dv)^T u */
+  /* NULL: not wanted. Otherwise one list for each row of hk_plugin.params: the derivative by that number, by the three
+   * of a vector, or by that of each tuple, also where one number stands for all of them; NULL for rows of other kinds.
+   */
+  double *const *parameter;
+  double *mass; /* n; NULL where `parameter` is */
+} hk_transposed;
+
+/* `pattern` and `jacobian` are required. A constant force names no blocks. With explicit methods the host may ask for
+ * the blocks of a force without elements and without `update` for some of its particles alone, by their view, and for
+ * `jacobian` after it. */
 typedef struct hk_implicit_facet {
   size_t size;
   void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into);
+  /* For adjoints, in about the time of `add`: exact, whatever `jacobian` leaves out. A force that has it depends on
+   * x, v and t, on masses, and on what its parameters are after `create`, and on nothing else. NULL: the host takes
+   * the blocks, and derivatives by parameters by differences. */
+  hk_status (*transposed)(void *self, const hk_view *view, const double *u, const hk_transposed *into);
 } hk_implicit_facet;
 
 #endif

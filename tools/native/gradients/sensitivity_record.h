@@ -32,7 +32,7 @@ hk_status hk_record_measure_at(record *, hk_run *, double t, double *X, double *
 double *hk_record_moved(record *, const double *X, const double *dX, double part);
 /* The reach of differences by numbers of the state X: by[0] of x, by[1] of v. */
 void hk_record_reach(const record *, const double *X, double by[2]);
-/* The derivatives of the record's measure at t by the 6n numbers of X. */
+/* The derivatives of the record's measure at t by the 6n numbers of X, of which `slope` is no part. */
 hk_status hk_record_slope(record *, double t, const double *X, double *slope);
 
 /* sensitivity_segments.c: methods of records */

@@ -63,12 +63,14 @@ static void what_is_not_differentiated_is_refused(void **state) {
   refused(released, "leapfrog", "a pin is released at t = 0.2 s");
 }
 
-/* sqrt N states, and the sqrt N of the steps between two of them: 9 numbers a particle each. */
+/* Of a long run sqrt N states, and the points of the sqrt N steps between two of them, 9 numbers a particle and stage
+ * each; of a short one all points. */
 static void memory_grows_with_the_root_of_the_steps(void **state) {
   (void)state;
-  double few = hk_sensitivity_bytes(1000, 10000), many = hk_sensitivity_bytes(1000, 1000000);
-  assert_true(fabs(few - 201 * 9 * 1000 * 8.0) < 1);
+  double few = hk_sensitivity_bytes(1000, 10000, 2), many = hk_sensitivity_bytes(1000, 1000000, 2);
+  assert_true(fabs(few - 300 * 9 * 1000 * 8.0) < 1);
   assert_true(many < 10.1 * few);
+  assert_true(fabs(hk_sensitivity_bytes(10, 100, 4) - (9 * 10 + 100 * 4 * 9 * 10) * 8.0) < 1);
 }
 
 /* Hooks of the run are called as before, and are its own again afterwards. */

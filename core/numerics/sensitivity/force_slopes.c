@@ -1,0 +1,175 @@
+/* Derivatives by the numbers that forces and masses are, and the chain rule from these to a parameter of the scene. */
+#include "core/numerics/sensitivity/force_slopes.h"
+
+#include "core/engine/contract/contract.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const hk_instance *force_at(const hk_dynamics *d, size_t k) { return d->plugins->kind[HK_FORCE].item[k]; }
+
+static bool is_tuples(hk_type type) { return type == HK_EDGES || type == HK_TRIANGLES || type == HK_TETRAHEDRA; }
+
+/* How many derivatives a row has. */
+static size_t numbers_of(const hk_instance *force, const hk_param *p) {
+  switch (hk_param_type(p)) {
+  case HK_NUMBER:
+    return 1;
+  case HK_VECTOR:
+    return 3;
+  case HK_PER_TUPLE:
+    return ((const hk_tuples *)hk_param_in(hk_param_list(force->plugin, p->list), force->self))->count;
+  default:
+    return 0;
+  }
+}
+
+static size_t rows_of(const hk_instance *force) {
+  size_t rows = 0;
+  while (force->plugin->params && force->plugin->params[rows].name) rows++;
+  return rows;
+}
+
+static bool is_covered(const hk_instance *force) {
+  return hk_force_of(force->plugin)->implicit.transposed && force->spec->timed_count == 0;
+}
+
+static hk_status cover(hk_force_slopes *s, const hk_instance *force, size_t k) {
+  size_t rows = rows_of(force);
+  double **row = calloc(rows + 1, sizeof *row);
+  if (!row) return HK_NO_MEMORY;
+  s->force[k] = row;
+  for (size_t r = 0; r < rows; r++) {
+    size_t count = numbers_of(force, &force->plugin->params[r]);
+    if (count > 0 && !(row[r] = calloc(count, sizeof **row))) return HK_NO_MEMORY;
+  }
+  return HK_OK;
+}
+
+hk_status hk_force_slopes_open(hk_force_slopes *s, const hk_dynamics *d) {
+  size_t forces = d->split.forces;
+  *s = (hk_force_slopes){.all = true,
+                         .covers = calloc(forces + 1, sizeof *s->covers),
+                         .force = calloc(forces + 1, sizeof *s->force),
+                         .mass = calloc(d->state->model.n + 1, sizeof *s->mass)};
+  if (!s->covers || !s->force || !s->mass) return HK_NO_MEMORY;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < forces && status == HK_OK; k++) {
+    s->covers[k] = is_covered(force_at(d, k));
+    if (s->covers[k]) status = cover(s, force_at(d, k), k);
+    s->any |= s->covers[k];
+    s->all &= s->covers[k];
+  }
+  return status;
+}
+
+void hk_force_slopes_close(hk_force_slopes *s, const hk_dynamics *d) {
+  for (size_t k = 0; s->force && k < d->split.forces; k++) {
+    size_t rows = s->force[k] ? rows_of(force_at(d, k)) : 0;
+    for (size_t r = 0; r < rows; r++) free(s->force[k][r]);
+    free(s->force[k]);
+  }
+  free(s->force);
+  free(s->covers);
+  free(s->mass);
+  *s = (hk_force_slopes){0};
+}
+
+/* ---- whether the chain rule holds ---- */
+
+static bool same_tuples(const hk_tuples *a, const hk_tuples *b) {
+  return a->count == b->count && a->arity == b->arity &&
+         memcmp(a->index, b->index, a->count * a->arity * sizeof *a->index) == 0;
+}
+
+/* A row that is no number has the same value in both. */
+static bool same_row(const hk_param *p, const void *a, const void *b) {
+  hk_type type = hk_param_type(p);
+  if (type == HK_NUMBER || type == HK_VECTOR || type == HK_PER_TUPLE) return true;
+  if (is_tuples(type)) return same_tuples(hk_param_in(p, a), hk_param_in(p, b));
+  if (type == HK_CHOICE) return *(int *)hk_param_in(p, a) == *(int *)hk_param_in(p, b);
+  if (type == HK_INTEGER) return *(int64_t *)hk_param_in(p, a) == *(int64_t *)hk_param_in(p, b);
+  if (type == HK_BOOLEAN) return *(bool *)hk_param_in(p, a) == *(bool *)hk_param_in(p, b);
+  return false;
+}
+
+static bool same_selection(const hk_instance *a, const hk_instance *b, size_t n) {
+  if (a->acting != b->acting || !a->is_active != !b->is_active) return false;
+  return !a->is_active || memcmp(a->is_active, b->is_active, n * sizeof *a->is_active) == 0;
+}
+
+static bool same_force(const hk_dynamics *d, const hk_dynamics *e, size_t k, bool covered) {
+  const hk_instance *a = force_at(d, k), *b = force_at(e, k);
+  if (strcmp(a->plugin->name, b->plugin->name) != 0) return false;
+  if (!covered) return true;
+  if (d->force_acts[k] != e->force_acts[k] || b->spec->timed_count > 0) return false;
+  if (!same_selection(a, b, d->state->model.n)) return false;
+  for (const hk_param *p = a->plugin->params; p && p->name; p++)
+    if (!same_row(p, a->self, b->self)) return false;
+  return true;
+}
+
+static bool same_scene(const hk_force_slopes *s, const hk_dynamics *d, const hk_dynamics *e) {
+  const hk_model *a = &d->state->model, *b = &e->state->model;
+  if (d->split.forces != e->split.forces || memcmp(a->pin, b->pin, a->n * sizeof *a->pin) != 0) return false;
+  for (size_t k = 0; k < d->split.forces; k++)
+    if (!same_force(d, e, k, s->covers[k])) return false;
+  return true;
+}
+
+static bool same_masses(const hk_varied *by) {
+  const hk_model *a = &by->more->state->model, *b = &by->less->state->model;
+  return memcmp(a->mass, b->mass, a->n * sizeof *a->mass) == 0;
+}
+
+/* ---- the chain rule ---- */
+
+/* Of the numbers of a row; equal ones, which may be NAN where they are not given, count nothing. */
+static double row_change(const double *slope, size_t count, const double *more, const double *less, size_t more_apart,
+                         size_t less_apart) {
+  double sum = 0;
+  for (size_t e = 0; e < count; e++) {
+    double a = more[e * more_apart], b = less[e * less_apart];
+    if (a != b && !(isnan(a) && isnan(b))) sum += (slope ? slope[e] : 1) * (slope ? a - b : fabs(a - b));
+  }
+  return sum;
+}
+
+/* With `slope` the derivative along the change of the row, otherwise the size of that. */
+static double by_row(const hk_param *p, const double *slope, size_t count, const void *more, const void *less) {
+  const void *a = hk_param_in(p, more), *b = hk_param_in(p, less);
+  if (hk_param_type(p) != HK_PER_TUPLE) return row_change(slope, count, a, b, 1, 1);
+  const hk_per_tuple *x = a, *y = b;
+  if (x->count == 0 || y->count == 0) return x->count == y->count ? 0 : NAN;
+  return row_change(slope, count, x->value, y->value, x->count > 1, y->count > 1);
+}
+
+static double by_forces(const hk_force_slopes *s, const hk_dynamics *d, const hk_varied *by, bool size) {
+  double sum = 0;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    const hk_instance *force = force_at(d, k);
+    size_t rows = s->covers[k] ? rows_of(force) : 0;
+    for (size_t r = 0; r < rows; r++)
+      if (s->force[k][r])
+        sum += by_row(&force->plugin->params[r], size ? NULL : s->force[k][r],
+                      numbers_of(force, &force->plugin->params[r]), force_at(by->more, k)->self,
+                      force_at(by->less, k)->self);
+  }
+  return sum;
+}
+
+/* A function of time has no derivative by a number that holds all the time: it is found at each time instead. */
+bool hk_force_slopes_fit(const hk_force_slopes *s, const hk_dynamics *d, const hk_varied *by) {
+  if (!s->any || !same_scene(s, d, by->more) || !same_scene(s, d, by->less)) return false;
+  if (!same_masses(by) && (!s->all || by->knots)) return false;
+  double size = by_forces(s, d, by, true);
+  return by->knots ? size == 0 : size >= 0;
+}
+
+double hk_force_slopes_by(const hk_force_slopes *s, const hk_dynamics *d, const hk_varied *by) {
+  const hk_model *model = &d->state->model, *more = &by->more->state->model, *less = &by->less->state->model;
+  double sum = by_forces(s, d, by, false);
+  for (size_t i = 0; i < model->n; i++)
+    if (model->inverse_mass[i] > 0) sum += s->mass[i] * (more->mass[i] - less->mass[i]);
+  return sum / (2 * by->by);
+}
