@@ -162,6 +162,21 @@ function tests.colours_stand_for_numbers_and_have_a_legend()
   assert(ends:find("strain", 1, true) and ends:find("0.02", 1, true), ends)
 end
 
+-- All numbers are known of the recording; an end beyond which some lie is pointed, and its number says so.
+function tests.ends_of_colours_that_saturate_are_marked()
+  local wrong = b:eval("view.page.sources[0].fields.filter((f) => f.map && !(f.lowest <= f.highest)).map((f) => f.name).join()")
+  assert(wrong == "", wrong)
+  for _, try in ipairs { { "0, 1", "0 0.5 1", "" }, { "-1, 1", "≤ 0 0.5 1", "below" }, { "0, 2", "0 0.5 ≥ 1", "above" } } do
+    local got = b:eval(([[(() => {
+      const node = document.createElement("div"), { legend, scale } = view.colours;
+      legend(node, "x", scale(0, 1, "viridis", %s));
+      return { text: [...node.querySelectorAll(".legend-ends span")].map((one) => one.textContent).join(" "),
+        points: [...node.querySelectorAll(".legend-point:not([hidden])")].map((one) => one.classList[1]).join() };
+    })()]]):format(try[1]))
+    assert(got.text == try[2] and got.points == try[3], ("%s: '%s' '%s'"):format(try[1], got.text, got.points))
+  end
+end
+
 function tests.the_camera_turns_and_comes_back()
   local x, y = place(255)
   b:press(400, 300, { 500, 330 })
@@ -253,6 +268,7 @@ local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_th
   "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn",
   "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
+  "ends_of_colours_that_saturate_are_marked",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
   "what_was_written_is_read_back_within_the_error_that_is_said",

@@ -114,6 +114,31 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
   }
 }
 
+/* An end beyond which numbers lie is pointed, as is usual (matplotlib's `extend`): strokes across the bar, half a pixel
+ * apart, that become shorter. `side` -1: the left end, 1: the right one; `width`: half of a stroke's, pixels. */
+static void add_point(strokes *s, const double end[2], int side, double thickness, double width) {
+  double length = 1.3 * thickness;
+  for (double x = 0; x < length; x += 0.5) {
+    double half = fmax((thickness / 2) * (1 - x / length) - width / 2, 0);
+    add_stroke(s, end[0] + side * x, end[1] - half, end[0] + side * x, end[1] + half, s->colour);
+  }
+}
+
+static void draw_points(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
+                        double thickness) {
+  const uint8_t *text = s->colour;
+  for (int k = 0; k < 2; k++) {
+    double end[2] = {at[0] + k * length, at[1] + thickness / 2};
+    for (int rim = legend->light; rim >= 0 && legend->beyond[k]; rim--) {
+      s->count = 0;
+      s->colour = rim ? text : legend->table[k * (HK_MAP_SIZE - 1)];
+      add_point(s, end, 2 * k - 1, thickness + 2 * rim, 0.75);
+      hk_painter_strokes(p, s->tube, s->count, 0.75);
+    }
+  }
+  s->colour = text;
+}
+
 static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
                      double thickness) {
   s->count = 0;
@@ -171,6 +196,7 @@ void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
   double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));
   double thickness = bar_thickness(p), at[2] = {margin, margin + 11 * unit};
   size_t ticks = hk_scale_ticks(&legend->scale, length / advance, tick);
+  draw_points(p, &s, legend, at, length, thickness);
   draw_bar(p, &s, legend, at, length, thickness);
   s.count = 0;
   add_text(&s, legend->label, at[0], at[1] + thickness + 5 * unit, unit, 0);
