@@ -28,6 +28,7 @@ static hk_status make_solids(hk_film *f) {
   f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
   if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
   if (f->solids) memcpy(f->snapshot.solid, f->solid, f->solids * sizeof *f->solid);
+  f->snapshot.obstacles = count - f->skins - (f->liquid != NULL);
   f->snapshot.solids = count, f->snapshot.liquid = f->liquid != NULL;
   return HK_OK;
 }
@@ -249,7 +250,7 @@ static hk_status finish_sheet(hk_film *f) {
     hk_snapshot3d nothing = f->snapshot;
     hk_view_setup setup = f->setup;
     unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
-    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = 0;
+    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = nothing.obstacles = 0;
     nothing.liquid = false;
     setup.floor = setup.shadows = f->painter.kept = false;
     hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);
