@@ -16,8 +16,7 @@ enum { HK_LETTER_HEIGHT = 6 };
  * what ASCII has, and a few signs of units (² ³ · ° µ × ≤ ≥ −); all else is a box. */
 size_t hk_letters(const char *text, hk_letter_stroke *stroke, size_t room, double *width);
 /* The same of a number as printf's %g writes it, but with raised digits for a power of ten: 1.5e-07 as 1.5 · 10 to the
- * -7. It is wider by 3 at
- * most than digits in the number of the text's letters. */
+ * -7. It is wider by 3 at most than digits in the number of the text's letters. */
 size_t hk_letters_of_number(const char *text, hk_letter_stroke *stroke, size_t room, double *width);
 
 #endif
