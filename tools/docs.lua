@@ -103,7 +103,7 @@ local function write(folder, options)
     local fine, why = files.write(("%s/%s"):format(folder, p.file), page.html(pages, p, body))
     if not fine then error({ sentence = why }) end
   end
-  assert(files.write(folder .. "/hooke.d.lua", annotations.text()))
+  assert(files.write(folder .. "/hooke.d.lua", annotations.text(plugins)))
 end
 
 local options = command_line.parse("docs", parser_of())
@@ -112,7 +112,7 @@ if not options then return 1 end
 local function make()
   local alone = options.annotations or options.manual
   if not alone then return write(options.folder or "out/handbook", options) end
-  local fine, why = files.write(alone, options.annotations and annotations.text() or manual_page.text())
+  local fine, why = files.write(alone, options.annotations and annotations.text((hooke.catalogue())) or manual_page.text())
   if not fine then error({ sentence = why }) end
 end
 

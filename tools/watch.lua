@@ -57,8 +57,10 @@ function session:publish(always)
   self.dirty = false
   self.history:publish()
   local known = self.history:known()
-  self.server:put("state", "application/json", json_text.encode({ run = self.number, doing = self.doing, frames = known.frames,
-    stride = known.stride, latest = known.latest, pace = self.pace, error = self.error, values = self.values,
+  self.server:put("state", "application/json", json_text.encode({ run = self.number, doing = self.doing, waiting = self.waiting,
+    frames = known.frames,
+    stride = known.stride, latest = known.latest,
+    pace = self.pace, error = self.error, values = self.values,
     summary = self.summary and json_text.raw(self.summary), parameters = self.declared_list }))
 end
 
@@ -69,6 +71,7 @@ function session:begin()
   self.history = history.new(self.server, self.number, self.title)
   self.child = child.start(command_line.with(self.arguments, self.values), self.forces)
   self.child:command(("pace %.9g"):format(self.pace))
+  if self.waiting then self.child:command("pause") end -- at the first frame
   self.doing, self.error, self.summary, self.wanted, self.deadline = "running", nil, nil, nil, nil
   self:publish(true)
 end
@@ -95,11 +98,13 @@ function session:obey(text)
   if not asked then return end
   if asked.name == "start" then
     for name, value in pairs(asked.values) do self.values[name] = value end
+    if not next(asked.values) then self.waiting = false end -- a value alone lets it wait, with that value
     self.wanted = true
     if self.child then self:stop() else self:begin() end
   elseif asked.name == "stop" then
     self:stop()
   else
+    if asked.name == "go" or asked.name == "step" then self.waiting = false end
     if asked.pace then self.pace = asked.pace end
     if self.child then self.child:command(asked.line) end
     self:publish(true)
@@ -161,6 +166,7 @@ Runs the scene, and serves a page of it on this computer alone while it goes on:
 Options:
    --port N              of the page's address (default: a free one)
    --forces              each force by itself, as colours and arrows
+   --at-once             the run begins by itself; otherwise it waits at its first frame for "start" on the page
 
 All others are those of hooke run.
 ]]
@@ -181,7 +187,7 @@ local function run()
     return complain("--watch needs hooke's server of live pages, which was not built without libmicrohttpd: "
       .. "tools/install-deps run gets it, then make")
   end
-  local own, port, forces = command_line.split(table.move(arg, 1, #arg, 1, {}))
+  local own, port, forces, at_once = command_line.split(table.move(arg, 1, #arg, 1, {}))
   if not own then return complain(port) end
   local declared, code = parameters_of(own)
   if not declared then return code end
@@ -198,9 +204,10 @@ local function run()
     if p.min == cjson.null then p.min = nil end
     if p.max == cjson.null then p.max = nil end
   end
-  local self = setmetatable({ server = s, arguments = own, forces = forces, title = title, declared = by_name, values = {},
+  local self = setmetatable({ server = s, arguments = own, forces = forces, title = title, declared = by_name,
+    values = {}, waiting = not at_once,
     pace = 0, number = 0, declared_list = json_text.list(declared), signals = process.signals(), published = 0, code = 0 }, session)
-  io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)\n")
+  io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)", at_once and "" or "; it waits there for \"start\"", "\n")
   self:begin()
   while self:turn() do end
   s:close()

@@ -24,7 +24,7 @@ typedef struct frames {
   int map, up, springs, particles, style, light;
   hk_surface_wanted wanted;
   hk_volume_optics volume_optics;
-  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
+  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow, see_through;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -149,6 +149,8 @@ static const hk_param params[] = {
      .number = HK_AT(frames, volume_optics.glow), .limits = HK_AT_LEAST(0)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
+    {"see_through", "", "obstacles are transparent while they hide more than half of the particles",
+     .boolean = HK_AT(frames, see_through), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
      .initial = {1}},
     {"ground", "", "draw the floor with its grid", .boolean = HK_AT(frames, ground), .initial = {1}},
@@ -220,6 +222,7 @@ static void plan_light(frames *f) {
   bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
   const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
+  setup->see_through = f->see_through;
   setup->shadows = f->shadows, setup->thickness = f->thickness;
   setup->sprites.style = style_of(f);
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;

@@ -59,7 +59,7 @@ run.fuzz {
   make = function()
     local files = { ["scene.lua"] = scene, ["client.sh"] = client }
     for k = 1, math.random(1, 12) do files["request." .. k] = request() end
-    return { files = files, words = "run scene.lua --watch --no-output --quiet", seconds = 20,
+    return { files = files, words = "run scene.lua --watch --at-once --no-output --quiet", seconds = 20,
       before = [[bash -c 'bash client.sh $$ & exec "$@"' it]],
       check = function(_, out) if not out:find("page 200", 1, true) then return "its page is no longer there: " .. out:sub(1, 200) end end }
   end,

@@ -162,6 +162,62 @@ function tests.colours_stand_for_numbers_and_have_a_legend()
   assert(ends:find("strain", 1, true) and ends:find("0.02", 1, true), ends)
 end
 
+-- All numbers are known of the recording; an end beyond which some lie is pointed, and its number says so.
+function tests.ends_of_colours_that_saturate_are_marked()
+  local wrong = b:eval("view.page.sources[0].fields.filter((f) => f.map && !(f.lowest <= f.highest)).map((f) => f.name).join()")
+  assert(wrong == "", wrong)
+  for _, try in ipairs { { "0, 1", "0 0.5 1", "" }, { "-1, 1", "≤ 0 0.5 1", "below" }, { "0, 2", "0 0.5 ≥ 1", "above" } } do
+    local got = b:eval(([[(() => {
+      const node = document.createElement("div"), { legend, scale } = view.colours;
+      legend(node, "x", scale(0, 1, "viridis", %s));
+      return { text: [...node.querySelectorAll(".legend-ends span")].map((one) => one.textContent).join(" "),
+        points: [...node.querySelectorAll(".legend-point:not([hidden])")].map((one) => one.classList[1]).join() };
+    })()]]):format(try[1]))
+    assert(got.text == try[2] and got.points == try[3], ("%s: '%s' '%s'"):format(try[1], got.text, got.points))
+  end
+end
+
+-- Options of the command line are said as settings of the scene as well, for those who have none.
+function tests.the_verdict_says_what_to_set_in_the_scene()
+  local function said(reason)
+    return b:eval(("(view.report.verdict({ verdict: 'inaccurate', reason: '%s', warnings: [] })[0].querySelector('.in-scene') "
+      .. "|| { textContent: '' }).textContent"):format(reason))
+  end
+  local text = said("the error is 3 mm; --dt 1e-04 (2e+04 steps) would do; try --integrator ias15")
+  assert(text == 'In the scene: hooke.scene { dt = 1e-04 }, or hooke.scene { integrator = "ias15" }', text)
+  text = said("no --tol would do, as errors of rk45 fall to tolerances of 1e-14")
+  assert(text == "", text)
+end
+
+-- The bar beside arrows is as long as an arrow of that size across the line of sight, and follows the camera. A sheet of velocities.
+function tests.arrows_have_a_legend_of_their_length()
+  show(10)
+  local function choose(name)
+    b:eval(("(() => { const s = [...document.querySelectorAll('#controls label')].find((n) => n.textContent.startsWith('Arrows'))"
+      .. ".querySelector('select'); s.value = '%s'; s.dispatchEvent(new Event('change')) })()"):format(name))
+  end
+  choose("velocity")
+  b:wait("!document.querySelector('#arrow-scale').hidden && document.querySelector('.arrow-bar')")
+  local got = b:eval([[(() => {
+    const { stage, arrowScale: s } = view.page, text = document.querySelector("#arrow-scale").textContent, { camera } = stage.orbit;
+    const size = Number(text.split(" ")[0]), half = new THREE.Vector3(size * s.length / 2, 0, 0).transformDirection(camera.matrixWorld)
+      .multiplyScalar(size * s.length / 2);
+    const [a, b] = [-1, 1].map((sign) => stage.middle.clone().addScaledVector(half, sign).project(camera));
+    return { text, size, largest: s.field.largest, seen: (b.x - a.x) / 2 * stage.canvas.clientWidth,
+      bar: parseFloat(document.querySelector(".arrow-bar").style.width) };
+  })()]])
+  assert(got.text:find(" m/s", 1, true) and got.size <= got.largest and got.size > got.largest / 2.51, got.text)
+  assert(math.abs(got.bar - got.seen) < 0.2, ("%g pixels, and %g are seen"):format(got.bar, got.seen)) -- tenths are written
+  b:eval("(() => { view.page.stage.orbit.distance /= 2; view.page.stage.orbit.update(); view.page.stage.render(); })()")
+  local near = b:eval("parseFloat(document.querySelector('.arrow-bar').style.width)")
+  assert(math.abs(near / got.bar - 2) < 0.02, near / got.bar)
+  b:eval("view.page.stage.home()")
+  if os.getenv("HK_SHOTS") then b:screenshot(os.getenv("HK_SHOTS") .. "/arrows.png") end
+  choose("")
+  b:wait("document.querySelector('#arrow-scale').hidden")
+  silent("arrows")
+end
+
 function tests.the_camera_turns_and_comes_back()
   local x, y = place(255)
   b:press(400, 300, { 500, 330 })
@@ -253,6 +309,8 @@ local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_th
   "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn",
   "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
+  "ends_of_colours_that_saturate_are_marked", "the_verdict_says_what_to_set_in_the_scene",
+  "arrows_have_a_legend_of_their_length",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
   "what_was_written_is_read_back_within_the_error_that_is_said",

@@ -24,12 +24,12 @@ scene:measure("end", function(s) return s:position(n)[3] end)
 return scene
 ]]
 
-local function with(words, body)
+local function with(words, body, waits)
   local folder = watched.folder()
   local file = assert(io.open(folder .. "/chain.lua", "w"))
   file:write(scene)
   file:close()
-  local w = watched.start(folder, "chain.lua " .. words)
+  local w = watched.start(folder, "chain.lua " .. words, waits)
   local fine, why = xpcall(body, debug.traceback, w)
   w:close()
   if not fine then error(why, 0) end
@@ -371,6 +371,24 @@ function tests.many_readers_that_leave_do_no_harm()
     os.execute("(" .. table.concat(list, " ") .. " wait) >/dev/null 2>&1")
     equal(ended(w).summary.verdict, "ok", "verdict")
   end)
+end
+
+-- At its first frame, also with a value that a page sets, and until a page says to go, which others are told.
+function tests.it_waits_for_a_page_to_start_it()
+  with("--no-output", function(w)
+    assert(w:said():find('it waits there for "start"', 1, true), w:said())
+    local function at_first(s) return s.doing == "paused" and s.latest == 0 and s.waiting end
+    local run = w:wait(at_first, "waiting").run
+    child.sleep(0.2)
+    equal(w:state().latest, 0, "the frame at which it waits")
+    w:ask { ["do"] = "start", values = { n = 5 } }
+    local state = w:wait(function(s) return s.run == run + 1 and at_first(s) end, "waiting with a value")
+    equal(state.values.n, "5", "the value")
+    w:ask { ["do"] = "go" }
+    w:wait(function(s) return s.latest > 2 and not s.waiting end, "started")
+    w:ask { ["do"] = "start", values = { n = 6 } }
+    w:wait(function(s) return s.run == run + 2 and s.latest > 2 end, "another run, which begins at once")
+  end, true)
 end
 
 function tests.what_is_wrong_is_said_before_the_page_is_served()

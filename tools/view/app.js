@@ -31,6 +31,7 @@ view.app = (() => {
         $("note").textContent = `There is no 3D picture: this browser gives no WebGL (${error.message}).`;
         return;
       }
+      this.stage.rendered = () => this.showArrowScale();
       this.layers = this.sources.map((source, k) => new view.layer.Layer(source, view.colours.thing(k ? "second" : "plain"),
         () => this.stage.draw()));
       const first = this.sources[0].origin;
@@ -163,8 +164,10 @@ view.app = (() => {
       const f = source.fields.find((one) => one.name === this.paint);
       if (!f) return null;
       const both = this.sources.map((s) => s.fields.find((one) => one.name === f.name)).filter(Boolean);
-      const low = Math.min(...both.map((b) => b.least)), high = Math.max(...both.map((b) => b.most));
-      return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale: view.colours.scale(low, high, f.map) };
+      const least = (...names) => Math.min(...both.map((b) => b[names.find((n) => b[n] !== undefined)]));
+      const most = (...names) => Math.max(...both.map((b) => b[names.find((n) => b[n] !== undefined)]));
+      const scale = view.colours.scale(least("least"), most("most"), f.map, least("lowest", "least"), most("highest", "most"));
+      return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale };
     }
 
     numbers(frame, field) {
@@ -189,7 +192,9 @@ view.app = (() => {
         if (numbers) view.colours.paint(numbers, s.scale, colours = new Float32Array(3 * frame.n));
         layer.every = this.economy.every;
         layer.sparing = this.economy;
-        layer.show(frame, colours, this.arrows(layer.source, frame), this.pickedId);
+        const arrows = this.arrows(layer.source, frame);
+        layer.show(frame, colours, arrows, this.pickedId);
+        if (j === 0) this.arrowScale = arrows;
         if (j === 0) view.colours.legend($("legend"), s && s.title, s && s.scale);
       });
       this.showPicked(frames);
@@ -199,11 +204,27 @@ view.app = (() => {
       this.stage.draw();
     }
 
+    // With each picture, since the camera may have moved: a bar as long as an arrow of a round size is at the middle of the motion,
+    // across the line of sight.
+    showArrowScale() {
+      const scale = this.arrowScale, node = $("arrow-scale");
+      if (node.hidden === !!scale) node.hidden = !scale;
+      if (!scale) return;
+      const step = 10 ** Math.floor(Math.log10(scale.field.largest)), times = scale.field.largest / step;
+      const round = step * (times >= 5 ? 5 : times >= 2 ? 2 : 1);
+      const text = `${view.numbers.short(round, 3)}${scale.field.unit ? ` ${scale.field.unit}` : ""}`;
+      const width = `${this.stage.pixels(round * scale.length).toFixed(1)}px`;
+      if (node.textContent === text && node.firstChild.style.width === width) return;
+      const bar = el("div", { class: "arrow-bar" });
+      bar.style.width = width;
+      node.replaceChildren(bar, el("span", {}, text));
+    }
+
     arrows(source, frame) {
       const f = source.fields.find((one) => one.name === this.arrowsOf), numbers = f && frame.values[f.name];
       if (!numbers || !(f.largest > 0)) return null;
       const { low, high } = source.bounds, size = Math.max(...low.map((v, c) => high[c] - v));
-      return { numbers, length: 0.25 * size / f.largest, colour: view.colours.thing("arrow") };
+      return { numbers, field: f, length: 0.25 * size / f.largest, colour: view.colours.thing("arrow") };
     }
 
     showPicked(frames) {

@@ -21,12 +21,18 @@ view.colours = (() => {
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const thing = (name) => dark.matches && things[`${name} at night`] || things[name];
 
-  // The range of numbers that the colours of a map stand for; around zero where it has a middle.
-  const scale = (low, high, map) => {
+  const range = (low, high, map) => {
     const most = Math.max(Math.abs(low), Math.abs(high)) || 1;
     if (!(low <= high)) return { low: 0, high: 1, map };
     if (map === "diverging") return { low: -most, high: most, map };
     return high > low ? { low, high, map } : { low: low - most * 1e-3, high: high + most * 1e-3, map };
+  };
+
+  // The range of numbers that the colours of a map stand for; around zero where it has a middle. lowest, highest: of all numbers;
+  // below, above: some saturate, they lie beyond that end by more than two neighbouring colours tell apart.
+  const scale = (low, high, map, lowest = low, highest = high) => {
+    const s = range(low, high, map), step = (s.high - s.low) / (tables[map].length / 4);
+    return { ...s, below: lowest < s.low - step, above: highest > s.high + step };
   };
 
   // Red, green and blue, 0 to 1, of each number into `into`; a number that is none is grey.
@@ -42,7 +48,8 @@ view.colours = (() => {
     }
   };
 
-  const bar = (map) => {
+  // Ends beyond which numbers lie are pointed, in the colour that those have.
+  const bar = ({ map, below, above }) => {
     const table = tables[map], stops = [];
     for (let k = 0; k <= 32; k++) {
       const i = 4 * Math.round(k / 32 * (table.length / 4 - 1));
@@ -50,15 +57,21 @@ view.colours = (() => {
     }
     const strip = el("div", { class: "legend-bar" });
     strip.style.background = `linear-gradient(90deg, ${stops.join(", ")})`;
-    return strip;
+    const point = (side, on, k) => {
+      const node = el("div", { class: `legend-point ${side}`, hidden: !on });
+      node.style.background = `rgb(${table.slice(k, k + 3).join(",")})`;
+      return node;
+    };
+    return el("div", { class: "legend-row" }, point("below", below, 0), strip, point("above", above, table.length - 4));
   };
 
   const legend = (node, title, s) => {
     clear(node).hidden = !title;
     if (!title) return;
     const { short } = view.numbers;
-    node.append(el("div", { class: "legend-title" }, title), bar(s.map), el("div", { class: "legend-ends" },
-      el("span", {}, short(s.low, 3)), el("span", {}, short((s.low + s.high) / 2, 3)), el("span", {}, short(s.high, 3))));
+    node.append(el("div", { class: "legend-title" }, title), bar(s), el("div", { class: "legend-ends" },
+      el("span", {}, `${s.below ? "≤ " : ""}${short(s.low, 3)}`), el("span", {}, short((s.low + s.high) / 2, 3)),
+      el("span", {}, `${s.above ? "≥ " : ""}${short(s.high, 3)}`)));
   };
 
   return { load, thing, scale, paint, legend };

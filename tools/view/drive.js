@@ -92,10 +92,19 @@ view.drive = (() => {
       for (const { p, w } of this.widgets)
         if (!w.nodes.includes(document.activeElement) || state.run !== this.run) w.set(p.name in values ? values[p.name] : p.value);
       this.run = state.run;
-      this.pause.textContent = state.doing === "paused" ? "go on" : "pause";
+      this.pause.textContent = state.waiting && running ? "start" : state.doing === "paused" ? "go on" : "pause";
+      this.start.hidden = !!state.waiting && running;
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";
-      this.showMessage(state.error ? state.error : { running: "running", paused: "paused", ended: "ended" }[state.doing], state.error);
+      const doing = state.waiting && running ? "it waits at its first frame: start" : state.doing;
+      this.showMessage(state.error ? state.error : doing, state.error);
+    }
+
+    // Whether the hand can pull; what has ended does not move, and that is said.
+    pulls() {
+      const ended = !this.state || this.state.doing === "ended";
+      if (ended) this.showMessage("the run has ended, so that a pull moves nothing: start it again, then pull", true);
+      return !ended;
     }
 
     showMessage(text, wrong) {

@@ -5,8 +5,9 @@ view.hand = (() => {
   const EVERY = 25; // ms, the least time between two commands to the run
 
   class Hand {
-    constructor(app, strength) {
-      Object.assign(this, { app, strength, held: null, chosen: false, sentAt: 0 });
+    // pulls(): whether the run can be pulled at
+    constructor(app, strength, pulls) {
+      Object.assign(this, { app, strength, pulls, held: null, chosen: false, sentAt: 0 });
       const stage = document.getElementById("stage"), { svg } = view.dom;
       this.line = svg("line", {});
       this.dot = svg("circle", { r: 5 });
@@ -24,6 +25,7 @@ view.hand = (() => {
       const found = stage.pick(e.offsetX, e.offsetY);
       if (!found) return;
       e.preventDefault();
+      if (!this.pulls()) return;
       stage.canvas.setPointerCapture(e.pointerId);
       this.held = { id: found.id, layer: found.layer };
       this.at = [e.offsetX, e.offsetY];

@@ -3,7 +3,7 @@
 view.layer = (() => {
   const { thing } = view.colours;
 
-  const MOST_WINDS = 72; // arrows
+  const MOST_WINDS = 72, MOST_ARROWS = 1500; // as many as are still told apart
   // Radii in a motion of this size, half the diagonal of its box, with n particles and so many lines, as pictures choose
   // them (plugins/common/frame_data/radii.h).
   const radiiOf = (size, n, lines) => {
@@ -91,9 +91,9 @@ view.layer = (() => {
       this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
       this.showBalls(frame, this.balls === frame.n ? null : alone, paint);
       this.pins.show(frame, pins, pins.length, thing("held"));
-      this.showArrows(frame, arrows);
       this.solids.show(frame, s.solids);
       this.showMarks(frame);
+      this.showArrows(frame, arrows);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
       this.picked.show(frame, [k], k < 0 ? 0 : 1, thing("picked"));
       this.trails.show(frame, s.trails ? pickedId ?? "all" : null, this.tint);
@@ -131,7 +131,8 @@ view.layer = (() => {
     }
 
     showArrows(frame, arrows) {
-      const every = arrows ? Math.ceil(frame.n / 6000) : 1, count = arrows ? Math.ceil(frame.n / every) : 0;
+      const every = arrows ? Math.ceil(frame.n / MOST_ARROWS) : 1, count = arrows ? Math.ceil(frame.n / every) : 0;
+      if (every > 1) this.notes.push(`arrows at ${count} of ${frame.n} particles`);
       const [begin, end, first, second] = this.arrows.arrays(count);
       for (let k = 0, at = 0; k < count; k++)
         for (let c = 0; c < 3; c++, at++) {

@@ -19,7 +19,7 @@
 
     open() {
       this.app = new view.app.App([this.source]);
-      this.hand = this.app.stage && new view.hand.Hand(this.app, () => this.drive.strength());
+      this.hand = this.app.stage && new view.hand.Hand(this.app, () => this.drive.strength(), () => this.drive.pulls());
       view.page = this.app;
       view.live = this;
     }

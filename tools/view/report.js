@@ -12,11 +12,22 @@ view.report = (() => {
   // Options of the command line are not broken in two.
   const whole = (text) => text.split(/(--\w+ [\w.+-]+)/).map((part, k) => k % 2 ? el("span", { class: "option" }, part) : part);
 
+  // What options with a value are where there is no command line: settings of the scene, which have the same names.
+  const settings = (text) => {
+    const found = [...text.matchAll(/--(dt|tol|accuracy) ([\d.][\d.e+-]*)|--(integrator|solver) (\w+)/g)]
+      .map(([, number, value, name, word]) => number ? `${number} = ${value}` : `${name} = "${word}"`);
+    return [...new Set(found)].map((one) => `hooke.scene { ${one} }`);
+  };
+  const inScene = (text) => {
+    const list = settings(text);
+    return list.length ? el("p", { class: "in-scene" }, `In the scene: ${list.join(", or ")}`) : null;
+  };
+
   const verdict = (s) => {
     if (!s) return el("div", { class: "verdict unknown" }, el("strong", {}, "no verdict"),
       el("p", {}, "The run has not ended, or was ended from outside: there is no summary.json in its folder."));
     return el("div", { class: `verdict ${WORDS[s.verdict] || "unknown"}` }, el("strong", {}, s.verdict),
-      el("p", {}, whole(s.reason || s.checked || "")));
+      el("p", {}, whole(s.reason || s.checked || "")), inScene(s.reason || s.checked || ""));
   };
 
   const figures = (s) => rows([

@@ -76,6 +76,13 @@ view.stage = (() => {
       requestAnimationFrame(() => this.render());
     }
 
+    // How many pixels a length (m) has on the page at the middle of the motion, across the line of sight.
+    pixels(length) {
+      const { camera } = this.orbit, [first] = this.views();
+      const depth = -this.middle.clone().applyMatrix4(camera.matrixWorldInverse).z;
+      return depth > 0 ? length * camera.projectionMatrix.elements[5] * first.h / 2 / depth : 0;
+    }
+
     views() {
       const { clientWidth: w, clientHeight: h } = this.canvas.parentElement;
       const seen = this.layers.filter((layer) => !layer.hidden);
@@ -117,6 +124,7 @@ view.stage = (() => {
         });
       }
       this.drawn++;
+      if (this.rendered) this.rendered();
     }
 
     // The particle nearest to the eye within some pixels of the point, { layer, index }, or null.

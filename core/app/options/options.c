@@ -57,6 +57,8 @@ static const option options[] = {
      "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
      AT(watch), false},
     {"--port", "N", "of the page of --watch, default 0: any that is free", WHOLE, AT(port), false},
+    {"--at-once", NULL, "the run under --watch begins by itself; otherwise it waits for \"start\" on its page", FLAG,
+     AT(at_once), false},
     {"--forces", NULL, "the page of --watch has each force by itself, as colours and arrows", FLAG, AT(forces), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
     {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON",
@@ -206,9 +208,11 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     i += used;
   }
   if (!into->scene && !into->help) return hk_error_set(error, HK_BAD_PARAM, "no scene given: hooke run SCENE.lua");
-  if ((into->port || into->forces) && !into->watch && !into->help)
+  if ((into->port || into->forces || into->at_once) && !into->watch && !into->help)
     return hk_error_set(error, HK_BAD_PARAM, "%s is of the page of --watch: give --watch as well",
-                        into->port ? "--port" : "--forces");
+                        into->port     ? "--port"
+                        : into->forces ? "--forces"
+                                       : "--at-once");
   return HK_OK;
 }
 

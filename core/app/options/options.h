@@ -13,7 +13,7 @@ typedef struct hk_options {
   const char *scene, *state, *summary;
   int threads;
   uint64_t seed, port;
-  bool json, quiet, trust, verify, no_check, watch, forces, help;
+  bool json, quiet, trust, verify, no_check, watch, at_once, forces, help;
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
   const char **with;     /* as many */

@@ -14,6 +14,7 @@ typedef struct hk_view_setup {
   double size;            /* half its diagonal, never 0 */
   double middle[3];       /* what is farther from here than fifty times the size is left out */
   bool floor, shadows;
+  bool see_through;          /* obstacles that hide most of the motion are transparent */
   double height;             /* height of the floor */
   double offset[2];          /* offset of the origin from the scene's, so that grid lines are at round coordinates */
   double point, tube, pin;   /* radii of particles, springs and pinned particles */

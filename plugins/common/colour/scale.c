@@ -11,6 +11,12 @@ double hk_scale_place(const hk_scale *s, double value) {
   return value > 0 ? log(value / s->low) / log(s->high / s->low) : 0;
 }
 
+void hk_scale_saturates(const hk_scale *s, double least, double most, int colours, bool out[2]) {
+  double step = 1.0 / colours;
+  out[0] = least <= most && (hk_scale_place(s, least) < -step || (s->log && least <= 0));
+  out[1] = least <= most && hk_scale_place(s, most) > 1 + step;
+}
+
 /* The shortest text, of three digits or more, whose number is off by less than can be seen on the bar; below a million
  * without a power of ten. */
 static void write_number(const hk_scale *s, double value, char text[24]) {

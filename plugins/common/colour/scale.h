@@ -13,6 +13,11 @@ typedef struct hk_scale {
 /* 0 at low, 1 at high; NAN for a number that is not finite. */
 double hk_scale_place(const hk_scale *, double value);
 
+/* Where numbers from `least` to `most` saturate: out[0] below the low end, out[1] above the high one, by more than the
+ * colours of a map of `colours` tell apart. On a logarithmic scale what is not positive is below. False for both where
+ * least > most: there is no number. */
+void hk_scale_saturates(const hk_scale *, double least, double most, int colours, bool out[2]);
+
 enum { HK_TICKS = 16 };
 
 typedef struct hk_tick {

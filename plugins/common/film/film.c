@@ -28,18 +28,24 @@ static hk_status make_solids(hk_film *f) {
   f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
   if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
   if (f->solids) memcpy(f->snapshot.solid, f->solid, f->solids * sizeof *f->solid);
+  f->snapshot.obstacles = count - f->skins - (f->liquid != NULL);
   f->snapshot.solids = count, f->snapshot.liquid = f->liquid != NULL;
   return HK_OK;
 }
 
 static bool has_legend(const hk_film *f) { return f->legend && f->framing.counted; }
 
+static void saturates(const hk_film *f, bool beyond[2]) {
+  hk_scale_saturates(&f->framing.scale, f->least, f->most, HK_MAP_SIZE, beyond);
+}
+
 /* The name of the view, and in the first the legend. */
 static void draw_overlay(hk_painter *painter, void *film) {
   hk_film *f = film;
   hk_legend_name(painter, f->framing.viewport[f->view].name, hk_is_dark(f->setup.background));
   if (f->view > 0 || f->bare || !has_legend(f)) return;
-  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
+  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background), {0}};
+  saturates(f, legend.beyond);
   if (f->appearance.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
   hk_legend_draw(painter, &legend);
 }
@@ -78,6 +84,7 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
   f->host = host;
+  f->least = INFINITY, f->most = -INFINITY;
   hk_snapshot3d_open(&f->snapshot, host, &f->appearance);
   hk_film_files_open(&f->files, host, f->width, f->height);
   hk_status status = claim_files(f);
@@ -177,10 +184,26 @@ static hk_status use_context(hk_film *f) {
   return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
 }
 
+/* Frames that wait show where the whole motion saturates; those that are drawn at once, the motion so far: then the
+ * legend, which is kept with the surroundings, is drawn anew. */
+static void note_numbers(hk_film *f) {
+  bool before[2], after[2];
+  const hk_snapshot3d *s = &f->snapshot;
+  if (!has_legend(f)) return;
+  saturates(f, before);
+  for (size_t i = 0; i < s->n; i++) {
+    double number = (double)s->colour[i].number;
+    if (isfinite(number)) f->least = fmin(f->least, number), f->most = fmax(f->most, number);
+  }
+  saturates(f, after);
+  if (memcmp(before, after, sizeof before) != 0) f->painter.kept = false;
+}
+
 hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool changed) {
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
+  note_numbers(f);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
   if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;
@@ -227,7 +250,7 @@ static hk_status finish_sheet(hk_film *f) {
     hk_snapshot3d nothing = f->snapshot;
     hk_view_setup setup = f->setup;
     unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
-    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = 0;
+    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = nothing.obstacles = 0;
     nothing.liquid = false;
     setup.floor = setup.shadows = f->painter.kept = false;
     hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);

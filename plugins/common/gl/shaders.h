@@ -56,20 +56,23 @@ static const char hk_mesh_vertex[] = "layout(location = 0) in vec3 position;\n"
                                      "uniform mat4 view, projection;\n"
                                      "uniform float offset;\n" /* m, along the normal */
                                      "out vec3 n, base;\n"
+                                     "out float opacity;\n"
                                      "void main() {\n"
-                                     "  n = normal, base = colour.rgb;\n"
+                                     "  n = normal, base = colour.rgb, opacity = colour.a;\n"
                                      "  place = on_map(position + lifted(normal));\n"
                                      "  vec3 at = dot(n, n) > 0.0 ? position + offset * normalize(n) : position;\n"
                                      "  gl_Position = projection * view * vec4(at, 1.0);\n"
                                      "}\n";
 
 static const char hk_mesh_fragment[] = "in vec3 n, base;\n"
+                                       "in float opacity;\n"
+                                       "uniform float veil;\n" /* 1: what is seen through, 0: all else */
                                        "out vec4 result;\n"
                                        "void main() {\n"
                                        "  float front = gl_FrontFacing ? 1.0 : -1.0;\n"
                                        "  vec3 unit = dot(n, n) > 0.0 ? normalize(n) * front : key;\n"
                                        "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.74, 0.76, 0.84);\n"
-                                       "  result = vec4(lit(base * tint, unit), 1.0);\n"
+                                       "  result = vec4(lit(base * tint, unit), mix(1.0, opacity, veil));\n"
                                        "}\n";
 
 /* Lines as ribbons that face the eye and are lit like cylinders with round ends: `corner` is (-1 to 2 along, -1 or 1

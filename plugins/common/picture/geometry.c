@@ -1,6 +1,7 @@
 #include "plugins/common/picture/geometry.h"
 
 #include "plugins/common/colour/palette.h"
+#include "plugins/common/occlusion/occlusion.h"
 #include "plugins/common/picture/solid_mesh.h"
 
 #include <string.h>
@@ -130,10 +131,85 @@ static size_t opaque_solids(const hk_view_setup *setup, const hk_snapshot3d *s) 
   return s->solids - (s->liquid && setup->water.clear);
 }
 
-static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
+static hk_status add_planes(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < opaque_solids(setup, s) && status == HK_OK; k++)
-    if (planes == (s->solid[k].kind == HK_SHAPE_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+    if (s->solid[k].kind == HK_SHAPE_PLANE) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+  return status;
+}
+
+static hk_status add_solid(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t k,
+                           double opacity) {
+  size_t first = p->vertices;
+  hk_status status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+  for (size_t v = first; v < p->vertices && opacity < 1; v++) p->vertex[v].colour[3] = (uint8_t)(255 * opacity + 0.5);
+  return status;
+}
+
+/* What is to be seen: particles but for those of surfaces that are obstacles themselves, and the middles of bodies. */
+static void take_sight(hk_sight *sight, const hk_view_setup *setup, const hk_snapshot3d *s) {
+  for (int c = 0; c < 3; c++) sight->eye[c] = (float)setup->camera.eye[c];
+  size_t bodies = s->solids - s->obstacles - s->liquid, most = HK_SIGHT_POINTS - HK_SIGHT_POINTS / 4 * (bodies > 0);
+  size_t every = s->n / most + 1;
+  for (size_t i = 0; i < s->n; i += every)
+    if (!(s->mark[i] & HK_MARK_BODY)) hk_sight_add(sight, s->x[i]);
+  for (size_t k = 0; k < bodies; k += bodies / (HK_SIGHT_POINTS / 4) + 1) {
+    float middle[3];
+    for (int c = 0; c < 3; c++) middle[c] = (float)(s->solid[s->obstacles + k].centre[c] - s->origin[c]);
+    hk_sight_add(sight, middle);
+  }
+}
+
+static bool may_hide(const hk_sight *sight, const hk_frame_solid *solid, const double origin[3]) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, middle[3], square = 0;
+  hk_solid_box(solid, low, high);
+  for (int c = 0; c < 3; c++) {
+    middle[c] = (low[c] + high[c]) / 2 - origin[c];
+    square += (high[c] - low[c]) * (high[c] - low[c]) / 4;
+  }
+  return solid->kind != HK_SHAPE_PLANE && hk_sight_may_meet(sight, middle, sqrt(square));
+}
+
+/* Notes the share of the motion that each obstacle hides, and what all hide. Their meshes are taken away again. */
+static hk_status measure_obstacles(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, hk_sight *sight) {
+  size_t vertices = p->vertices, triangles = p->triangles;
+  hk_status status = HK_OK;
+  take_sight(sight, setup, s);
+  for (size_t k = 0; k < s->obstacles && status == HK_OK; k++) {
+    p->share[k] = 0;
+    if (!may_hide(sight, s->solid + k, s->origin)) continue;
+    status = add_solid(p, setup, s, k, 1);
+    if (status == HK_OK)
+      p->share[k] = (float)hk_sight_hidden_by(sight, p->vertex, sizeof *p->vertex,
+                                              (const uint32_t(*)[3])p->triangle + triangles, p->triangles - triangles);
+    p->vertices = vertices, p->triangles = triangles;
+  }
+  return status;
+}
+
+static hk_status make_share_room(hk_painter *p, size_t count) {
+  if (count < p->share_room) return HK_OK;
+  p->share_room = count + count / 2 + 1;
+  p->share = renew(p->host, p->share, p->share_room, sizeof *p->share);
+  if (p->share) return HK_OK;
+  p->share_room = 0;
+  return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu obstacles", count);
+}
+
+/* Those that are opaque, and then those that are not. */
+static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
+  hk_sight sight = {0};
+  bool measured = setup->see_through && s->obstacles;
+  hk_status status = measured ? make_share_room(p, s->obstacles) : HK_OK;
+  if (status == HK_OK && measured) status = measure_obstacles(p, setup, s, &sight);
+  for (int faded = 0; faded < 2; faded++) {
+    for (size_t k = 0; k < opaque_solids(setup, s) && status == HK_OK; k++) {
+      double opacity = measured && k < s->obstacles ? hk_sight_opacity(&sight, (double)p->share[k]) : 1;
+      if (s->solid[k].kind != HK_SHAPE_PLANE && faded == (opacity < 1)) status = add_solid(p, setup, s, k, opacity);
+    }
+    if (!faded) p->opaque = p->triangles;
+  }
+  p->faded = p->triangles;
   return status;
 }
 
@@ -200,9 +276,9 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   p->cloth = p->triangles;
   status = add_bodies(p, setup, s);
   p->bodies = p->triangles;
-  if (status == HK_OK) status = add_solids(p, setup, s, false);
-  p->opaque = p->triangles;
-  if (status == HK_OK) status = add_solids(p, setup, s, true);
+  p->opaque = p->faded = p->triangles;
+  if (status == HK_OK) status = add_solids(p, setup, s);
+  if (status == HK_OK) status = add_planes(p, setup, s);
   p->planes = p->triangles;
   if (status == HK_OK && opaque_solids(setup, s) < s->solids)
     status = hk_solid_add_liquid(p, s->solid + s->solids - 1, s->normal, s->origin);

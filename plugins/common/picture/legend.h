@@ -11,6 +11,8 @@ typedef struct hk_legend {
   hk_scale scale;
   uint8_t (*table)[4];
   bool light; /* text for a dark background */
+  /* Numbers lie beyond the low and the high end: the bar is pointed there, in the colour that they have. */
+  bool beyond[2];
 } hk_legend;
 
 /* Draws a view's name over the painter's picture, at its upper left, unless it is too small. */

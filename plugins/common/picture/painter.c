@@ -108,7 +108,7 @@ void hk_painter_close(hk_painter *p) {
   hk_corner_normals_free(&p->normals, p->host);
   hk_canvas_close(&p->canvas);
   hk_sprites_close(&p->sprites);
-  void *all[] = {p->vertex, p->tube, p->point, p->triangle, p->shade, p->map.height, p->corner, p->still};
+  void *all[] = {p->vertex, p->tube, p->point, p->triangle, p->shade, p->map.height, p->corner, p->still, p->share};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) p->host->release(p->host, all[k]);
   *p = (hk_painter){0};
 }

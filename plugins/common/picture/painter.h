@@ -52,9 +52,11 @@ typedef struct hk_painter {
   hk_point_sprite *point;
   uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, points;
-  /* The triangles are those of cloth, of bodies, of closed solids, of planes, which have no end and cast no shadow, and
-   * of a clear liquid: where each but the last end. */
-  size_t cloth, bodies, opaque, planes;
+  /* The triangles are those of cloth, of bodies, of closed solids, of those that are seen through, of planes, which
+   * have no end and cast no shadow, and of a clear liquid: where each but the last end. */
+  size_t cloth, bodies, opaque, faded, planes;
+  float *share; /* a solid: of the motion that it hides */
+  size_t share_room;
   hk_water water;
   const hk_volumes *volumes; /* smoke and flames; NULL: none are drawn */
   hk_volume_optics volume_optics;

@@ -125,7 +125,26 @@ static void draw_mesh(const hk_painter *p, const scene *s) {
   glUniform1f(uniform(p, HK_MESH, "solid"), 1);
   draw_triangles(p, p->cloth, p->bodies, BOTH_SIDES, 0);
   draw_triangles(p, p->bodies, p->opaque, GL_BACK, 0);
-  draw_triangles(p, p->opaque, p->planes, BOTH_SIDES, 0);
+  draw_triangles(p, p->faded, p->planes, BOTH_SIDES, 0);
+}
+
+/* What is seen through is drawn over all else that is not nearer; it hides nothing, so that particles, which come
+ * later, are seen in front of it. */
+static void draw_faded(const hk_painter *p, const scene *s) {
+  if (p->opaque == p->faded) return;
+  set_matrices(p, HK_MESH, s->lens.view, s->lens.projection);
+  set_light(p, HK_MESH, s->light[0], 0);
+  set_shadows(p, HK_MESH, s);
+  glBindVertexArray(p->mesh_array);
+  glUniform1f(uniform(p, HK_MESH, "solid"), 1);
+  glUniform1f(uniform(p, HK_MESH, "veil"), 1);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  glDepthMask(GL_FALSE);
+  draw_triangles(p, p->opaque, p->faded, GL_BACK, 0);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glUniform1f(uniform(p, HK_MESH, "veil"), 0);
 }
 
 static void draw_tubes(const hk_painter *p, const scene *s) {
@@ -281,7 +300,9 @@ hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_sn
   if (setup->shadows) draw_shadows(p, &s);
   draw_mesh(p, &s);
   draw_tubes(p, &s);
-  return draw_liquid(p, &s);
+  status = draw_liquid(p, &s);
+  if (status == HK_OK) draw_faded(p, &s);
+  return status;
 }
 
 void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, double half_width) {

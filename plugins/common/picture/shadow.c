@@ -67,7 +67,7 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
   memset(p->shade, 0, SIZE * SIZE);
   if (p->planes < p->triangles) shade_liquid(p);
   hk_height_map_begin(m);
-  for (size_t k = 0; k < p->opaque; k++) {
+  for (size_t k = 0; k < p->faded; k++) {
     const uint32_t *t = p->triangle[k];
     hk_height_map_triangle(m, p->vertex[t[0]].x, p->vertex[t[1]].x, p->vertex[t[2]].x);
   }

@@ -32,6 +32,7 @@ typedef struct hk_snapshot3d {
   float *extra[HK_EXTRAS];
   size_t solids;
   hk_frame_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */
+  size_t obstacles;      /* the first of them, which are drawn transparent where they hide the others */
   bool liquid;           /* the last of them is a mesh that is another one at each picture */
   const double
       *normal;  /* of its vertices, x 3, outwards, of length 1, in its own axes, the caller's; NULL: not known */

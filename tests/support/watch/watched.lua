@@ -23,8 +23,9 @@ function watched.folder()
   return name
 end
 
--- Starts it with the words in the folder and waits for its address.
-function watched.start(folder, words)
+-- Starts it with the words in the folder and waits for its address; it begins at once, unless it is to wait for a page.
+function watched.start(folder, words, waits)
+  if not waits then words = words .. " --at-once" end
   child.start(folder, ("%s/hooke run %s --watch >printed.txt 2>said.txt </dev/null"):format(build, words))
   local self = setmetatable({ folder = folder }, watched)
   local ends = child.clock() + patience

@@ -1,5 +1,6 @@
 -- The language of scenes for editors: a file of annotations that Lua's language server reads (LuaCATS), so that scenes are
 -- completed and checked while they are written.
+local plugin_types = require("common.handbook.plugin_types")
 local reference = require("common.handbook.reference")
 
 local annotations = {}
@@ -51,7 +52,7 @@ local function arguments(entry)
   return names
 end
 
-local function method(entry, out)
+local function method(entry, plugins, out)
   local of, sign, name = entry.name:match("^(%w+)([:.])([%w_]+)$")
   local owner = classes[of] or of
   if of == "hooke" and not entry.form:find("[{(]") then return end
@@ -64,15 +65,18 @@ local function method(entry, out)
   end
   local gives = type_of(entry.gives)
   if gives then out[#out + 1] = "---@return " .. gives .. " # " .. entry.gives end
+  if of == "scene" then plugin_types.overloads(plugins, name, gives, out) end
   out[#out + 1] = ("function %s%s(%s) end\n"):format((of and of ~= "hooke" and owner:gsub("%.", "_") .. ":" or of and "hooke." or ""),
     name or entry.name, table.concat(names, ", "))
 end
 
-function annotations.text()
+-- plugins: hooke.catalogue().
+function annotations.text(plugins)
   local out = { "---@meta", "-- The language of hooke's scenes; made by `hooke docs`.", "", "hooke = {}", "" }
   for _, entry in ipairs(reference.all()) do
     if entry.takes then options(entry, out) end
   end
+  for _, plugin in ipairs(plugins) do plugin_types.lines(plugin, out) end
   local names = {}
   for name in pairs(classes) do names[#names + 1] = name end
   table.sort(names)
@@ -81,7 +85,7 @@ function annotations.text()
     if name == "state" then out[#out + 1] = "---@field t number # s\n---@field n integer # particles" end
     out[#out + 1] = ("local %s = {}\n"):format(classes[name]:gsub("%.", "_"))
   end
-  for _, entry in ipairs(reference.all()) do method(entry, out) end
+  for _, entry in ipairs(reference.all()) do method(entry, plugins, out) end
   return table.concat(out, "\n")
 end
 

@@ -47,7 +47,8 @@ local function widest(range)
   return most
 end
 
--- The least and the largest number that colours tell apart, from a sample of the motion.
+-- The least and the largest number that colours tell apart, from a sample of the motion; and of all numbers (of vectors: of the
+-- sample's sizes), by which the page marks ends of the colours beyond which there are some.
 local function range_of_colours(r, s)
   local all, frames = {}, math.max(1, r.frames // 50)
   local every = math.max(1, r:n(r.frames) * (r.frames // frames) // SAMPLES)
@@ -55,7 +56,14 @@ local function range_of_colours(r, s)
     local some = page.sizes(s.get(k), s.components, every)
     table.move(some, 1, #some, #all + 1, all)
   end
-  return page.colours_of(all, s.map)
+  local lowest, highest = s.low[1], s.high[1]
+  if s.components > 1 then
+    lowest, highest = math.huge, -math.huge
+    for _, size in ipairs(all) do lowest, highest = math.min(size, lowest), math.max(size, highest) end
+  end
+  local least, most = page.colours_of(all, s.map)
+  if lowest > highest then lowest, highest = least, most end -- there is no number
+  return least, most, lowest, highest
 end
 
 local function largest_size(range)
@@ -92,11 +100,12 @@ local function end_block(out, streams)
 end
 
 local function stream_data(r, s)
-  local least, most
-  if s.map then least, most = range_of_colours(r, s) end
+  local least, most, lowest, highest
+  if s.map then least, most, lowest, highest = range_of_colours(r, s) end
   return { name = s.name, label = s.label, painted = s.painted, unit = s.unit, components = s.components,
     map = s.map, low = json_text.list(s.low), high = json_text.list(s.high), step = s.step, texts = s.texts,
-    error = s.encoder:error(), least = least, most = most, largest = largest_size(s) }
+    error = s.encoder:error(), least = least, most = most, lowest = lowest, highest = highest,
+    largest = largest_size(s) }
 end
 
 -- ---- topology and ids ----

@@ -1,9 +1,10 @@
 -- The command line of `hooke run ... --watch`: its own options, and the arguments that the run gets.
 local command_line = {}
 
--- The run's arguments, the port of the page, and whether it shows each force by itself; nil and the reason.
+-- The run's arguments, the port of the page, whether it shows each force by itself, and whether the run begins without being
+-- asked to; nil and the reason.
 function command_line.split(list)
-  local own, port, forces, k = {}, 0, false, 1
+  local own, port, forces, at_once, k = {}, 0, false, false, 1
   while list[k] do
     local argument = list[k]
     local value = argument:match("^%-%-port=(.*)$")
@@ -16,12 +17,14 @@ function command_line.split(list)
       if not port or port < 0 or port > 65535 then return nil, ("--port: '%s' is not a number from 0 to 65535"):format(value) end
     elseif argument == "--forces" then
       forces = true
+    elseif argument == "--at-once" then
+      at_once = true
     elseif argument ~= "--watch" then
       own[#own + 1] = argument
     end
     k = k + 1
   end
-  return own, port, forces
+  return own, port, forces, at_once
 end
 
 -- The arguments with other values of parameters of the scene.

@@ -2,6 +2,7 @@
 import array
 import concurrent.futures
 import os
+import re
 
 from . import _errors, _page
 from ._inside import InsideRun
@@ -34,6 +35,12 @@ def _options(given):
         values = value if isinstance(value, (list, tuple)) else [value]
         options[name.rstrip("_").replace("_", "-")] = ["" if v is True else _word(name, v) for v in values]
     return options
+
+
+def _as_keywords(text):
+    """A sentence with options of the command line as what run() takes in their stead: --dt 1e-4 is dt=1e-4."""
+    text = re.sub(r"--(dt|tol|accuracy) ([\d.][\d.e+-]*)", r"\1=\2", text)
+    return re.sub(r"--(integrator|solver) (\w+)", r'\1="\2"', text)
 
 
 def _as_array(memory, offset, width, kind, count):
@@ -117,7 +124,7 @@ class Run(State):
         self.scene, self._table, self._options = scene, table, options
         self.verdict = end["verdict"]  #: ok, inaccurate, diverged or interrupted
         self.summary = end["summary"]  #: the figures, as `hooke run --json` prints them
-        self.reason = self.summary.get("reason") or ""  #: why the verdict is not ok
+        self.reason = _as_keywords(self.summary.get("reason") or "")  #: why the verdict is not ok; what to give to run()
         self.warnings = self.summary.get("warnings") or []
 
     @property

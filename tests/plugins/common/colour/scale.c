@@ -90,10 +90,31 @@ static void range_of_a_logarithm_takes_positive_numbers(void **state) {
   assert_false(hk_range_choose(&s, one, 0, false));
 }
 
+/* By more than one of 512 colours, on a scale from 0 to 1 and from 1 to 100. */
+static void scale_saturates_beyond_the_colours_of_its_ends(void **state) {
+  (void)state;
+  static const struct {
+    double least, most;
+    bool log, below, above;
+  } tries[] = {{0, 1, false, false, false},     {-0.0019, 1.0019, false, false, false},
+               {-0.002, 1, false, true, false}, {0.5, 1.002, false, false, true},
+               {-9, 9, false, true, true},      {1, -1, false, false, false},
+               {1, 100, true, false, false},    {0, 100, true, true, false},
+               {0.98, 100, true, true, false},  {-3, 102, true, true, true}};
+  for (size_t k = 0; k < sizeof tries / sizeof *tries; k++) {
+    hk_scale s = {tries[k].log ? 1 : 0, tries[k].log ? 100 : 1, tries[k].log};
+    bool out[2];
+    hk_scale_saturates(&s, tries[k].least, tries[k].most, 512, out);
+    assert_int_equal(out[0], tries[k].below);
+    assert_int_equal(out[1], tries[k].above);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(scale_writes_two_ticks_or_more_that_never_meet),
       cmocka_unit_test(scale_has_ticks_at_powers_of_ten),
+      cmocka_unit_test(scale_saturates_beyond_the_colours_of_its_ends),
       cmocka_unit_test(range_leaves_out_the_outermost_per_cent),
       cmocka_unit_test(range_of_a_logarithm_takes_positive_numbers),
   };

@@ -84,11 +84,41 @@ static void pictures_show_the_funnel_of_soft_walls(void **state) {
   free(p.rgb);
 }
 
+/* Three boxes, before a cloth (or a particle), behind it and beside it: the first alone lets it be seen. */
+static void pictures_see_the_motion_through_what_hides_most_of_it(void **state) {
+  (void)state;
+  static const double boxes[] = {0, -2, 0, 1, 0.1, 0.7, 0, 3, 0, 1.4, 0.1, 0.8, 0.7, 0, 0, 0.1, 0.1, 0.8};
+  int red[4];
+  unsigned char before[4][3], beside[4][3];
+  for (int k = 0; k < 4; k++) { /* cloth, then particles; seen through, then not */
+    world w;
+    world_open(&w, MOST);
+    make_cloth(&w, 0, 0);
+    for (size_t i = 0; i < MOST; i++) w.x[3 * i + 2] = 0.6 * w.x[3 * i + 1], w.x[3 * i + 1] = 0; /* upright */
+    if (k > 1) w.model.triangles.count = 0, set_number(&w, "radius", 0.03);
+    set_still_camera(&w);
+    set_switch(&w, "shadows", false);
+    set_switch(&w, "see_through", k % 2 == 0);
+    *(hk_numbers *)fake_field(&w.f, "boxes") = (hk_numbers){sizeof boxes / sizeof *boxes, boxes};
+    picture p = draw_once(&w);
+    red[k] = find_red(&w, 0).count;
+    memcpy(before[k], at(&p, 30, 45), 3), memcpy(beside[k], at(&p, 149, 45), 3);
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+  assert_true(red[0] > 4000); /* 100 x 60 pixels, less the edge */
+  assert_true(red[2] > 1000);
+  assert_int_equal(red[1] + red[3], 0);
+  for (int c = 0; c < 3; c++) assert_int_equal(beside[0][c], beside[1][c]);
+  assert_memory_not_equal(before[0], before[1], 3);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pictures_show_obstacles_of_correctors_and_forces_where_they_are),
       cmocka_unit_test(pictures_show_the_planes_of_soft_walls),
       cmocka_unit_test(pictures_show_the_funnel_of_soft_walls),
+      cmocka_unit_test(pictures_see_the_motion_through_what_hides_most_of_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
