@@ -49,6 +49,6 @@ scene:measure("peg", function(s)
   end
   return most
 end)
-scene:output("frames", { width = 960, height = 540, color = "none", legend = false, from = { 0.2, -2.4, 1.5 },
-  look_at = { length / 2, 0.1, 1.15 }, ground_height = 0.3, tube = 0.004 })
+scene:output("frames", { width = 960, height = 540, color = "none", legend = false, from = { 0.3, -2.1, 1.3 },
+  look_at = { length / 2, 0.1, 1.3 }, ground_height = 0.3, tube = 0.004 })
 return scene

@@ -41,10 +41,11 @@ view.solids = (() => {
   };
 
   const mesh = ({ vertices, faces }) => {
-    const made = new THREE.BufferGeometry(), corners = new Float32Array(3 * faces.length);
+    const made = new THREE.BufferGeometry(), corners = new Float32Array(3 * faces.length), normals = corners.slice();
     faces.forEach((v, k) => corners.set(vertices.subarray(3 * v, 3 * v + 3), 3 * k));
+    new view.surface.Creases(vertices.length / 3, faces).find(vertices, normals, 0);
     made.setAttribute("position", new THREE.BufferAttribute(corners, 3));
-    made.computeVertexNormals();
+    made.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
     return made;
   };
 

@@ -1,4 +1,5 @@
-// surface: triangles, shaded smoothly on both sides.
+// surface: triangles, shaded on both sides: smoothly, but for surfaces that nothing bends, of bodies or pinned as a whole, whose
+// sides that are turned from each other by 40 degrees or more meet in a crease, as in pictures (plugins/common/normals).
 "use strict";
 view.surface = (() => {
   const { array, material, object } = view.buffers;
@@ -45,6 +46,61 @@ view.surface = (() => {
     }
   };
 
+  const CREASE = Math.cos(40 * Math.PI / 180);
+
+  // Normals at the corners of triangles, each the sum of those at its vertex that are not across a crease.
+  class Creases {
+    constructor(n, triangles) {
+      const start = new Uint32Array(n + 1), user = new Uint32Array(triangles.length);
+      for (const v of triangles) start[v + 1]++;
+      for (let v = 0; v < n; v++) start[v + 1] += start[v];
+      const next = start.slice();
+      triangles.forEach((v, k) => { user[next[v]++] = Math.floor(k / 3); });
+      Object.assign(this, { triangles, start, user, face: new Float64Array(triangles.length) });
+    }
+
+    // into: from `at` on three numbers a corner
+    find(x, into, at) {
+      const { triangles, start, user, face } = this;
+      for (let t = 0; t < triangles.length; t += 3) {
+        const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
+        const ux = x[b] - x[a], uy = x[b + 1] - x[a + 1], uz = x[b + 2] - x[a + 2];
+        const vx = x[c] - x[a], vy = x[c + 1] - x[a + 1], vz = x[c + 2] - x[a + 2];
+        face.set([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], t);
+      }
+      const dot = (i, j) => face[i] * face[j] + face[i + 1] * face[j + 1] + face[i + 2] * face[j + 2];
+      for (let k = 0; k < triangles.length; k++) {
+        const own = k - k % 3, v = triangles[k], square = dot(own, own);
+        let nx = 0, ny = 0, nz = 0;
+        for (let u = start[v]; u < start[v + 1]; u++) {
+          const f = 3 * user[u];
+          if (f !== own && !(dot(own, f) > CREASE * Math.sqrt(square * dot(f, f)))) continue;
+          nx += face[f]; ny += face[f + 1]; nz += face[f + 2];
+        }
+        const long = Math.hypot(nx, ny, nz) || 1;
+        into[at + 3 * k] = nx / long; into[at + 3 * k + 1] = ny / long; into[at + 3 * k + 2] = nz / long;
+      }
+    }
+  }
+
+  // The triangles that others bend, and the corners of those of surfaces all of whose particles are held or ride on bodies.
+  const split = ({ n, triangles, pins }) => {
+    const held = new Uint8Array(n), soft = [], hard = [];
+    for (const i of pins) held[i] = 1;
+    for (let changed = true; changed;) {
+      changed = false;
+      for (let t = 0; t < triangles.length; t += 3) {
+        const some = held[triangles[t]] + held[triangles[t + 1]] + held[triangles[t + 2]];
+        if (some === 0 || some === 3) continue;
+        for (let c = 0; c < 3; c++) held[triangles[t + c]] = 0;
+        changed = true;
+      }
+    }
+    for (let t = 0; t < triangles.length; t += 3)
+      (held[triangles[t]] ? hard : soft).push(triangles[t], triangles[t + 1], triangles[t + 2]);
+    return { soft: Uint32Array.from(soft), hard: Uint32Array.from(hard) };
+  };
+
   class Surface {
     constructor(uniforms) {
       this.geometry = new THREE.BufferGeometry();
@@ -59,15 +115,31 @@ view.surface = (() => {
       const some = frame.triangles.length > 0;
       this.mesh.visible = this.shadow.visible = some;
       if (!some) return;
-      array(this.geometry, "position", 3, frame.n).set(frame.x);
-      if (this.painted !== colours) array(this.geometry, "colour", 3, frame.n).set(colours);
+      if (this.triangles !== frame.triangles) this.join(frame);
+      this.put("position", frame.x);
+      if (this.painted !== colours) this.put("colour", colours);
       this.painted = colours;
-      normals(frame.x, frame.triangles, frame.n, array(this.geometry, "normal", 3, frame.n));
-      if (this.triangles !== frame.triangles) {
-        this.geometry.setIndex(new THREE.BufferAttribute(frame.triangles, 1));
-        this.triangles = frame.triangles;
-      }
+      const into = array(this.geometry, "normal", 3, frame.n + this.hard.length);
+      normals(frame.x, this.soft, frame.n, into);
+      this.creases.find(frame.x, into, 3 * frame.n);
       this.own.backs.value = plain ? 1 : 0;
+    }
+
+    // Corners at creases follow the particles, each with a place of its own.
+    join(frame) {
+      Object.assign(this, split(frame), { triangles: frame.triangles, n: frame.n, painted: null });
+      this.creases = new Creases(frame.n, this.hard);
+      const index = new Uint32Array(frame.triangles.length);
+      index.set(this.soft);
+      for (let k = 0; k < this.hard.length; k++) index[this.soft.length + k] = frame.n + k;
+      this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    }
+
+    put(name, numbers) {
+      const { n, hard } = this, into = array(this.geometry, name, 3, n + hard.length);
+      into.set(numbers.subarray(0, 3 * n));
+      for (let k = 0; k < hard.length; k++)
+        for (let c = 0; c < 3; c++) into[3 * (n + k) + c] = numbers[3 * hard[k] + c];
     }
 
     fade(opacity) {
@@ -76,5 +148,5 @@ view.surface = (() => {
     }
   }
 
-  return { Surface };
+  return { Surface, Creases };
 })();

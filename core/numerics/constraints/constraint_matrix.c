@@ -87,16 +87,21 @@ void hk_constraint_matrix_forget_masses(hk_dynamics *d) {
 
 /* S J W J^T S with `J` on the left */
 static hk_matrix assemble(hk_constraints *c, double (*J)[3], bool symmetric) {
-  const size_t *diagonal = c->matrix.slot, *slot = diagonal + c->equations;
-  memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
+  const size_t *diagonal = c->matrix.slot;
   for (size_t k = 0; k < c->equations; k++)
     c->value[diagonal[k]] = c->scale[k] == 0 ? 1 : c->scale[k] * c->scale[k] * c->own[k];
-  for (size_t e = 0; e < c->terms; e++, slot += 2) {
-    uint32_t p = c->term[e][0], q = c->term[e][1];
-    double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
-    double product = scale * hk_constraint_dot(J[p], c->WJ[q]);
-    c->value[slot[0]] += product;
-    c->value[slot[1]] += symmetric ? product : scale * hk_constraint_dot(J[q], c->WJ[p]);
+  for (const hk_constraint_entry *at = c->entry, *end = at + c->entries; at < end; at++) {
+    double sum = 0, other = 0;
+    for (size_t e = at->first; e < at[1].first; e++) sum += hk_constraint_dot(J[c->term[e][0]], c->WJ[c->term[e][1]]);
+    for (size_t e = at->first; !symmetric && e < at[1].first; e++)
+      other += hk_constraint_dot(J[c->term[e][1]], c->WJ[c->term[e][0]]);
+    const uint32_t *first = c->term[at->first];
+    double scale = c->scale[c->list.pair[first[0]][0]] * c->scale[c->list.pair[first[1]][0]];
+    sum *= scale, other = symmetric ? sum : scale * other;
+    if (at->place == at->mirror)
+      c->value[at->place] += sum + other;
+    else
+      c->value[at->place] = sum, c->value[at->mirror] = other;
   }
   return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, symmetric, c->matrix.number};
 }
@@ -169,12 +174,16 @@ static hk_status refine(hk_dynamics *d) {
   return status;
 }
 
-void hk_constraint_matrix_move(const hk_constraints *c, double *vector) {
+void hk_constraint_matrix_push(const hk_constraints *c, const double *of, double by, double *vector) {
   for (size_t b = 0; b < c->blocks; b++) {
-    double s = c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
+    double s = by * of[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
     for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
   }
   hk_riders_follow(c->model, vector);
+}
+
+void hk_constraint_matrix_move(const hk_constraints *c, double *vector) {
+  hk_constraint_matrix_push(c, c->solution, 1, vector);
 }
 
 hk_status hk_constraint_matrix_solve(hk_dynamics *d) {

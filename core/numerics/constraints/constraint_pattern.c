@@ -17,7 +17,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
                     c->g,        c->c,          c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
                     c->residual, c->moved,      c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
                     c->allowed,  c->held,       c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end,
-                    c->g_start,  c->rate_start, c->met,        c->bounce};
+                    c->g_start,  c->rate_start, c->met,        c->bounce,    c->entry,   c->impulse};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   hk_releases_close(&c->releases);
   hk_linear_system linear = c->linear, mixed = c->mixed;
@@ -94,6 +94,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->lambda = calloc(m, sizeof *c->lambda);
   c->residual = calloc(m, sizeof *c->residual);
   c->correction = calloc(m, sizeof *c->correction);
+  c->impulse = calloc(m, sizeof *c->impulse);
   c->moved = calloc(3 * d->state->model.n + 1, sizeof *c->moved);
   c->kept_x = calloc(3 * d->state->model.n + 1, sizeof *c->kept_x);
   bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests, &c->met};
@@ -111,7 +112,8 @@ static hk_status allocate(hk_dynamics *d) {
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->g_start && c->rate_start && c->c &&
           c->rhs && c->solution;
-  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
+  fine &= c->speed && c->lambda && c->residual && c->impulse && c->correction && c->moved && c->kept_x && c->own &&
+          c->J_end;
   return fine && c->path_used ? hk_releases_open(d) : no_memory(d);
 }
 
@@ -164,6 +166,38 @@ static void name_pair(hk_constraints *c, size_t row, size_t column) {
   c->matrix.naming.block(&c->matrix.naming, (uint32_t)row, (uint32_t)column);
 }
 
+/* Lists the entries of A, and sorts the terms by them, otherwise as they are; `start` and `mirror`: scratch, for each
+ * place in the values and one more, `start` zeros. */
+static void sort_terms(hk_constraints *c, size_t *start, size_t *mirror, uint32_t (*sorted)[2]) {
+  const size_t *place = c->matrix.slot + c->equations; /* of each term, and of its mirror */
+  size_t places = c->matrix.row_start[c->equations];
+  for (size_t e = 0; e < c->terms; e++) start[place[2 * e] + 1]++, mirror[place[2 * e]] = place[2 * e + 1];
+  for (size_t p = 0; p < places; p++) {
+    if (start[p + 1] > 0) c->entry[c->entries++] = (hk_constraint_entry){p, mirror[p], start[p]};
+    start[p + 1] += start[p];
+  }
+  c->entry[c->entries].first = c->terms;
+  for (size_t e = 0; e < c->terms; e++) memcpy(sorted[start[place[2 * e]]++], c->term[e], sizeof *sorted);
+}
+
+static bool make_entries(hk_constraints *c) {
+  size_t places = c->matrix.row_start[c->equations] + 1;
+  size_t *start = calloc(places, sizeof *start), *mirror = malloc(places * sizeof *mirror);
+  uint32_t(*sorted)[2] = malloc((c->terms + 1) * sizeof *sorted);
+  c->entry = malloc(places * sizeof *c->entry);
+  bool fine = start && mirror && sorted && c->entry;
+  if (fine) {
+    sort_terms(c, start, mirror, sorted);
+    free(c->term);
+    c->term = sorted;
+  } else {
+    free(sorted);
+  }
+  free(start);
+  free(mirror);
+  return fine;
+}
+
 /* Both places of a product in A, as it and its mirror are the same number. */
 static hk_status name_terms(hk_dynamics *d, const size_t *start, const uint32_t *order) {
   hk_constraints *c = d->constraints;
@@ -176,12 +210,13 @@ static hk_status name_terms(hk_dynamics *d, const size_t *start, const uint32_t 
   for (size_t i = 0; i < n; i++)
     for (size_t p = start[i]; p < start[i + 1]; p++)
       for (size_t q = p + 1; q < start[i + 1]; q++, count++) {
-        c->term[count][0] = order[p];
-        c->term[count][1] = order[q];
-        name_pair(c, c->list.pair[order[p]][0], c->list.pair[order[q]][0]);
-        name_pair(c, c->list.pair[order[q]][0], c->list.pair[order[p]][0]);
+        bool rising = c->list.pair[order[p]][0] <= c->list.pair[order[q]][0];
+        c->term[count][0] = order[rising ? p : q];
+        c->term[count][1] = order[rising ? q : p];
+        name_pair(c, c->list.pair[c->term[count][0]][0], c->list.pair[c->term[count][1]][0]);
+        name_pair(c, c->list.pair[c->term[count][1]][0], c->list.pair[c->term[count][0]][0]);
       }
-  if (hk_block_matrix_build(&c->matrix) != HK_OK) return no_memory(d);
+  if (hk_block_matrix_build(&c->matrix) != HK_OK || !make_entries(c)) return no_memory(d);
   c->value = calloc(c->matrix.row_start[c->equations] + 1, sizeof *c->value);
   return c->value ? HK_OK : no_memory(d);
 }

@@ -35,6 +35,9 @@ static const double to_be_named = 0.01; /* part of the largest violation */
  * them every round has its own matrix. */
 static const double tardy = 0.5;
 static const double rounding = 4 * DBL_EPSILON; /* of a length, relative to the largest coordinate */
+/* A round with the matrix of the start leaves about the same part of g each time: one after which a tenth of the
+ * rounding would be left is the last, without another look. */
+static const double foreseen = 0.1;
 
 /* The violation of an equation. */
 static double broken(const hk_constraints *c, size_t k) {
@@ -107,11 +110,15 @@ static hk_status renew(hk_dynamics *d, double t, const double *x, const double *
   return status == HK_OK ? hk_constraint_matrix_factorize(d) : status;
 }
 
-/* Equations that follow from others normally hold because those do. If not, all equations are solved for together. */
-static bool consequences_hold(hk_constraints *c, double size) {
+static bool implied_hold(const hk_constraints *c, double size) {
   bool hold = true;
   for (size_t k = 0; k < c->equations; k++) hold &= !c->implied[k] || fabs(c->g[k]) <= implied_tolerance * size;
-  if (hold) return true;
+  return hold;
+}
+
+/* Equations that follow from others normally hold because those do. If not, all equations are solved for together. */
+static bool consequences_hold(hk_constraints *c, double size) {
+  if (implied_hold(c, size)) return true;
   memset(c->implied, 0, c->equations * sizeof *c->implied);
   memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
   return false;
@@ -308,25 +315,20 @@ static hk_status begin_anew(hk_dynamics *d, double t0, double *from, double t, d
   return status == HK_OK ? hk_constraint_value(d, t, x, v) : status;
 }
 
-/* Moves x by W J^T solution and v by that over h. */
-static void apply(hk_dynamics *d, double h, double *x, double *v) {
-  hk_constraints *c = d->constraints;
-  for (size_t b = 0; b < c->blocks; b++) {
-    double s = c->solution[c->list.pair[b][0]], over_h = s / h;
-    size_t at = 3 * (size_t)c->list.pair[b][1];
-    for (size_t a = 0; a < 3; a++) {
-      x[at + a] += s * c->WJ[b][a];
-      v[at + a] += over_h * c->WJ[b][a];
-    }
-  }
-  hk_riders_follow(c->model, x);
-  hk_riders_follow(c->model, v);
-}
-
 static hk_status solve_for(hk_dynamics *d, const double *q) {
   hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -q[k];
   return hk_constraint_matrix_solve(d);
+}
+
+/* A round adds to x, and to v over h all rounds together, at the end. */
+static hk_status shake_round(hk_dynamics *d, double t, double *x, const double *v, bool anew) {
+  hk_constraints *c = d->constraints;
+  hk_status status = anew ? hk_constraint_matrix_newton(d, t, x, v) : solve_for(d, c->g);
+  if (status != HK_OK) return status;
+  hk_constraint_matrix_push(c, c->solution, 1, x);
+  for (size_t k = 0; k < c->equations; k++) c->impulse[k] += c->solution[k];
+  return HK_OK;
 }
 
 static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double h, double *x, double *v,
@@ -337,25 +339,29 @@ static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
   int slowly = 0;
+  bool arrived = false;
+  memset(c->impulse, 0, c->equations * sizeof *c->impulse);
   hk_status status = begin(d, t0, from, from + 3 * s->n);
   if (status == HK_OK) status = hk_dynamics_impose(d, t, x, v);
-  for (int round = 0; round < ROUNDS && status == HK_OK; round++) {
+  for (int round = 0; round < ROUNDS && status == HK_OK && !arrived; round++) {
     status = hk_constraint_value(d, t, x, v);
     left = largest_violation(c, &worst);
     if (status != HK_OK || !isfinite(left)) break;
     bool met = left <= rounding * size || (left <= position_tolerance * size && left > 0.25 * last);
-    if (met && consequences_hold(c, size)) {
-      *work += done;
-      return check_immovable(d, size);
-    }
+    arrived = met && consequences_hold(c, size);
+    if (arrived) break;
     if (met) status = begin_anew(d, t0, from, t, x, v);
     slowly = met ? 0 : slowly + (left > tardy * last);
+    arrived = !met && isfinite(last) && left / last * left <= foreseen * rounding * size && implied_hold(c, size);
     last = met ? INFINITY : left;
-    if (status == HK_OK) status = slowly < PATIENCE ? solve_for(d, c->g) : hk_constraint_matrix_newton(d, t, x, v);
-    if (status == HK_OK) apply(d, h, x, v);
+    if (status == HK_OK) status = shake_round(d, t, x, v, slowly >= PATIENCE);
     if (status == HK_OK) done += hk_constraint_power(d, from + 3 * s->n) / h;
   }
-  return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
+  if (status == HK_OK && !arrived) return gave_up(d, worst, true, c->g[worst]);
+  if (status != HK_OK) return status;
+  hk_constraint_matrix_push(c, c->impulse, 1 / h, v);
+  *work += done;
+  return check_immovable(d, size);
 }
 
 hk_status hk_constraints_shake_from(hk_system *s, double t_from, double *from, double t, double h, double *x, double *v,

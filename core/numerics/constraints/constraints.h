@@ -36,6 +36,12 @@ typedef struct hk_rider_blocks {
   hk_rider_term *term;
 } hk_rider_blocks;
 
+/* An entry of A = S J W J^T S and its mirror, which is itself where one equation has two blocks of a particle: their
+ * places in the values, and the first of its terms. */
+typedef struct hk_constraint_entry {
+  size_t place, mirror, first;
+} hk_constraint_entry;
+
 typedef struct hk_rigid_groups hk_rigid_groups;
 
 struct hk_constraints {
@@ -50,17 +56,20 @@ struct hk_constraints {
   const hk_model *model;
   uint32_t *pin, *place;  /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
   hk_block_matrix matrix; /* pattern of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];    /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
-                             2 term] and at the next slot, its mirror */
-  double *value;          /* values of A */
-  double *own;            /* equations: diagonal of J W J^T */
-  double *full;           /* equations: diagonal of S if all equations acted; 0 where no particle can move */
-  double *scale;          /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  uint32_t (*term)[2];    /* terms: blocks p and q of two equations, of which J[p] . WJ[q] is a part of an entry of A;
+                             the equation of p is not behind that of q; entry by entry */
+  size_t entries;         /* beside the diagonal's */
+  hk_constraint_entry *entry;     /* entries, and one that has `terms` as its first */
+  double *value;                  /* values of A */
+  double *own;                    /* equations: diagonal of J W J^T */
+  double *full;                   /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;                  /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
   double *g_start, *rate_start;   /* equations: g and dg/dt at the start of the step; of one-sided ones */
   double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
   double *moved;                  /* n x 3: W J^T solution */
+  double *impulse;                /* equations: the sum of the solutions of SHAKE's rounds */
   double *lambda;                 /* equations: multipliers of the last evaluation */
   /* The set of equations that act (active_set.c). */
   size_t one_sided_count;
@@ -192,6 +201,8 @@ hk_status hk_constraint_matrix_newton(hk_dynamics *, double t, const double *x, 
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
+/* vector += `by` W J^T of the equations' numbers. */
+void hk_constraint_matrix_push(const hk_constraints *, const double *of, double by, double *vector);
 
 hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
 hk_status hk_constraints_shake(hk_system *, double t, double *from, double h, double *x, double *v, double *work);

@@ -33,7 +33,8 @@ static hk_status make_solids(hk_film *f) {
   return HK_OK;
 }
 
-static bool has_legend(const hk_film *f) { return f->legend && f->framing.counted; }
+/* Bodies and liquids have colours of their own: where nothing else is seen, the bar would say nothing. */
+static bool has_legend(const hk_film *f) { return f->legend && f->framing.counted && f->painted; }
 
 static void saturates(const hk_film *f, bool beyond[2]) {
   hk_scale_saturates(&f->framing.scale, f->least, f->most, HK_MAP_SIZE, beyond);
@@ -204,6 +205,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
   note_numbers(f);
+  f->painted |= f->snapshot.painted;
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
   if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;
@@ -250,7 +252,8 @@ static hk_status finish_sheet(hk_film *f) {
     hk_snapshot3d nothing = f->snapshot;
     hk_view_setup setup = f->setup;
     unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
-    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = nothing.obstacles = 0;
+    nothing.n = nothing.triangles = nothing.cloth = nothing.rigid = nothing.lines = nothing.solids = nothing.obstacles =
+        0;
     nothing.liquid = false;
     setup.floor = setup.shadows = f->painter.kept = false;
     hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);

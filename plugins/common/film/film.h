@@ -50,6 +50,7 @@ typedef struct hk_film {
   hk_camera_place *way; /* where cameras follow: views x frames */
   bool bare;            /* the picture that is drawn has no legend */
   double least, most;   /* numbers of the frames so far that have a colour; least > most: none */
+  bool painted;         /* some picture so far shows what the bar of colours stands for */
   uint8_t (*colour)[4]; /* one per particle */
   size_t colours;
   unsigned char *picture, *cell; /* width x height x 4; of a view, where there are several */

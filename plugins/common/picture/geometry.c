@@ -101,6 +101,13 @@ static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4]
   for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
 }
 
+static void exchange(uint32_t a[3], uint32_t b[3]) {
+  uint32_t other[3];
+  memcpy(other, a, sizeof other);
+  memcpy(a, b, sizeof other);
+  memcpy(b, other, sizeof other);
+}
+
 /* What lies in the floor is the floor: the bodies' first faces are those that do not. */
 static size_t faces_off_floor(const hk_view_setup *setup, const hk_snapshot3d *s, uint32_t (*face)[3], size_t faces) {
   size_t kept = 0;
@@ -108,21 +115,42 @@ static size_t faces_off_floor(const hk_view_setup *setup, const hk_snapshot3d *s
     float off = 0;
     for (int i = 0; i < 3; i++) off = fmaxf(off, fabsf(s->x[face[k][i]][2] - (float)setup->height));
     if (setup->floor && off < 1e-3f * (float)setup->size) continue;
-    uint32_t other[3];
-    memcpy(other, face[kept], sizeof other);
-    memcpy(face[kept++], face[k], sizeof other);
-    memcpy(face[k], other, sizeof other);
+    exchange(face[kept++], face[k]);
   }
   return kept;
+}
+
+static size_t faces_with_place(const hk_snapshot3d *s, const region *here, uint32_t (*face)[3], size_t faces) {
+  size_t kept = 0;
+  for (size_t k = 0; k < faces; k++) {
+    bool placed = true;
+    for (int i = 0; i < 3; i++) placed = placed && has_place(s->x[face[k][i]], here);
+    if (placed) exchange(face[kept++], face[k]);
+  }
+  return kept;
+}
+
+/* Surfaces that ride on rigid bodies have creases, and the colours of their particles. */
+static hk_status add_rigid(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                           const region *here) {
+  uint8_t plain[4];
+  uint32_t(*face)[3] = s->triangle + s->cloth;
+  size_t faces = faces_with_place(s, here, face, s->rigid - s->cloth), first = p->vertices;
+  if (faces == 0) return HK_OK;
+  hk_solid_colour(setup, false, plain);
+  hk_status status = hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])face, faces, plain);
+  for (size_t k = 0; k < 3 * faces && status == HK_OK; k++)
+    memcpy(p->vertex[first + k].colour, colour[face[k / 3][k % 3]], sizeof p->vertex->colour);
+  return status;
 }
 
 /* Surfaces that are pinned as a whole are what others meet: they look like solids. */
 static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
   uint8_t colour[4];
-  size_t faces = faces_off_floor(setup, s, s->triangle + s->cloth, s->triangles - s->cloth);
+  size_t faces = faces_off_floor(setup, s, s->triangle + s->rigid, s->triangles - s->rigid);
   if (faces == 0) return HK_OK;
   hk_solid_colour(setup, false, colour);
-  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->cloth, faces,
+  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->rigid, faces,
                             colour);
 }
 
@@ -274,7 +302,8 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   p->vertices = p->triangles = p->tubes = p->points = 0;
   if (s->triangles) add_mesh(p, s, colour, &here);
   p->cloth = p->triangles;
-  status = add_bodies(p, setup, s);
+  status = add_rigid(p, setup, s, colour, &here);
+  if (status == HK_OK) status = add_bodies(p, setup, s);
   p->bodies = p->triangles;
   p->opaque = p->faded = p->triangles;
   if (status == HK_OK) status = add_solids(p, setup, s);

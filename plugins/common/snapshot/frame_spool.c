@@ -131,6 +131,7 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
   *e = (hk_frame_spool_entry){.n = snapshot->n,
                               .triangles = snapshot->triangles,
                               .cloth = snapshot->cloth,
+                              .rigid = snapshot->rigid,
                               .lines = snapshot->lines,
                               .normals = snapshot->normal != NULL,
                               .reach = snapshot->reach,
@@ -174,7 +175,8 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
   if (!ok) return io_error(s, "read");
   status = get_liquid(s, &at, e->normals, snapshot);
   if (status != HK_OK) return status;
-  snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->cloth = e->cloth, snapshot->lines = e->lines;
+  snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->lines = e->lines;
+  snapshot->cloth = e->cloth, snapshot->rigid = e->rigid;
   snapshot->topology = e->topology;
   memcpy(snapshot->eye, e->eye, sizeof e->eye);
   memcpy(snapshot->target, e->target, sizeof e->target);

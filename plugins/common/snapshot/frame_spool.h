@@ -8,7 +8,7 @@
 typedef struct hk_frame_spool_entry {
   int64_t at, topology_at; /* offsets in the file, bytes */
   uint64_t topology;       /* as in hk_snapshot3d */
-  size_t n, triangles, cloth, lines;
+  size_t n, triangles, cloth, rigid, lines;
   bool normals;                 /* of the liquid's mesh */
   double eye[3], target[3];     /* as in hk_snapshot3d */
   float low[3], high[3], reach; /* as in hk_snapshot3d */

@@ -155,12 +155,22 @@ static void mark_bodies(hk_snapshot3d *s, const hk_model *m) {
   }
 }
 
-static void take_triangles(hk_snapshot3d *s, const hk_model *m, bool bodies) {
+typedef enum triangle_kind { CLOTH, RIGID, PINNED } triangle_kind;
+
+static triangle_kind kind_of(const hk_snapshot3d *s, const hk_model *m, const uint32_t corner[3]) {
+  if (s->mark[corner[0]] & HK_MARK_BODY) return PINNED;
+  for (int i = 0; i < 3; i++)
+    if (m->pin[corner[i]] != HK_PIN_RIDES) return CLOTH;
+  return RIGID;
+}
+
+/* Appends those of a kind; the number of all then. */
+static size_t take_triangles(hk_snapshot3d *s, const hk_model *m, triangle_kind kind) {
   for (size_t k = 0; k < m->triangles.count; k++) {
     const uint32_t *corner = m->triangles.index + 3 * k;
-    bool body = s->mark[corner[0]] & HK_MARK_BODY;
-    if (body == bodies) memcpy(s->triangle[s->triangles++], corner, sizeof *s->triangle);
+    if (kind_of(s, m, corner) == kind) memcpy(s->triangle[s->triangles++], corner, sizeof *s->triangle);
   }
+  return s->triangles;
 }
 
 /* The particles of a rigid body whose surface is drawn, and the distances between them. */
@@ -179,9 +189,9 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   mark_bodies(s, m);
   hide_bodies(s, m);
   s->triangles = 0;
-  take_triangles(s, m, false);
-  s->cloth = s->triangles;
-  take_triangles(s, m, true);
+  s->cloth = take_triangles(s, m, CLOTH);
+  s->rigid = take_triangles(s, m, RIGID);
+  take_triangles(s, m, PINNED);
   for (size_t i = 0; i < m->n; i++) {
     if (s->mark[i] & HK_MARK_BODY) continue;
     bool rides = m->pin[i] == HK_PIN_RIDES;
@@ -190,6 +200,13 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m) {
     s->mark[i] = (uint8_t)((point ? HK_MARK_POINT : 0) | (pin ? HK_MARK_PIN : 0));
   }
   if (appearance->springs != 2) take_lines(s, m, appearance->springs == 1);
+}
+
+/* Surfaces that are pinned as a whole and pins have colours of their own. */
+static bool shows_colours(const hk_snapshot3d *s, size_t n) {
+  bool any = s->rigid > 0 || s->lines > 0;
+  for (size_t i = 0; i < n && !any; i++) any = (s->mark[i] & (HK_MARK_POINT | HK_MARK_PIN)) == HK_MARK_POINT;
+  return any;
 }
 
 /* Sets the origin to the middle of the finite positions. */
@@ -232,6 +249,7 @@ hk_status hk_snapshot3d_take(hk_snapshot3d *s, const hk_view *view, bool changed
   uint64_t print = fingerprint(m);
   if (changed || s->stale || print != s->fingerprint) {
     take_topology(s, m);
+    s->painted = shows_colours(s, m->n);
     s->fingerprint = print;
     s->stale = false;
     s->topology++;

@@ -40,12 +40,15 @@ typedef struct hk_snapshot3d {
   uint32_t (*mesh_face)[3];
   size_t mesh_room, face_room;
   size_t triangles, lines;
-  size_t cloth; /* the first triangles: the others are of bodies, surfaces that are pinned as a whole */
+  /* The first triangles are of cloth, the next, up to `rigid`, of surfaces that ride on bodies, the others of surfaces
+   * that are pinned as a whole. */
+  size_t cloth, rigid;
   uint32_t (*triangle)[3];
   uint32_t (*line)[2];
   uint64_t topology; /* number of the topology: when it changes, mark, triangle or line may change; 0: not copied yet */
   uint64_t fingerprint;
-  bool stale; /* mark, triangle or line must be copied again */
+  bool painted; /* some particle's colour is seen: of a point, a line, cloth or a surface that rides */
+  bool stale;   /* mark, triangle or line must be copied again */
   size_t room, triangle_room, line_room;
   double eye[3], target[3]; /* of the camera at this time, in the scene's coordinates with z up; NAN: not given */
   float low[3], high[3];    /* box of the finite positions; low > high when there are none */
