@@ -204,8 +204,8 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
   if (status != HK_OK) return status;
   hk_particle_colours_take(&f->snapshot, view, birth);
-  note_numbers(f);
   f->painted |= f->snapshot.painted;
+  note_numbers(f);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
   if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;

@@ -135,9 +135,10 @@ static const struct method {
 
 /* 0.3 is what the next term of the error leaves of the order at these steps. */
 static void splittings_keep_their_order_on_chains_of_bars(void **state) {
-  static const problem problems[] = {{"double pendulum", 2, false, 1, {400, 100, 25}},
-                                     {"double pendulum on a moving pin", 2, true, 1, {400, 100, 25}},
-                                     {"five bars", 5, false, 0.6, {400, 100, 25}}};
+  static const problem problems[] = {
+      {"double pendulum", 2, false, 1, {400, 100, 25}},
+      {"double pendulum on a moving pin", 2, true, 1, {400, 100, 25}},
+      {"five bars", 5, false, 0.6, {400, 100, 20}}}; /* an error of 7e-14 in 50 is the reference's */
   (void)state;
   for (size_t p = 0; p < sizeof problems / sizeof *problems; p++)
     for (size_t k = 0; k < 3; k++) {
