@@ -10,12 +10,11 @@ local pump = scene:control("pump", { knots = 49, help = "by how much the rider r
 local k, length, angle, m, g = 2e4, 2.5, 0.2, 40, 9.81 -- N/m, m, rad, kg, m/s^2
 local rider = scene:particle { position = { length * math.sin(angle), 0, -length * math.cos(angle) }, mass = m }
 scene:force("gravity", {})
--- a stiff spring whose rest length the rider changes, damped along it
-scene:force("field", { f = function(t, x, y, z, vx, vy, vz)
-  local r = math.sqrt(x * x + y * y + z * z)
-  local pull = k * (r - length + pump(t)) / r + 200 * (x * vx + y * vy + z * vz) / (r * r)
-  return -pull * x, -pull * y, -pull * z
-end })
+-- a stiff spring, damped along it, and the tension that changes its rest length by the rider's rise
+local hook = scene:particle { position = { 0, 0, 0 }, mass = 1 }
+scene:pin { hook }
+scene:force("springs", { edges = { { hook, rider } }, k = k, damping = 200, rest = length })
+scene:force("muscles", { edges = { { hook, rider } }, tension = function(t) return k * pump(t) end })
 local function along(s) -- distance from the hook, and its rate
   local x, v = s:position(rider), s:velocity(rider)
   local r = math.sqrt(x[1] ^ 2 + x[2] ^ 2 + x[3] ^ 2)
