@@ -1,8 +1,8 @@
 /* hooke check: faults that are put into plugins that are right are found, in the sentence that names them
- * (check_faults.h). Every fourth of them: check_long.c tries all, tables that take longer, and the plugins of the build. */
+ * (check_faults.h). Every eighth of them: check_long.c tries all, tables that take longer, and the plugins of the build. */
 #include "tests/tools/check_faults.h"
 
-static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 4); }
+static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 8); }
 
 /* Its right one takes memory of malloc in `create` and frees it in `destroy`. */
 static void faults_of_habits_are_named(void **state) {

@@ -40,29 +40,6 @@ static void near(double value, double expected, double tolerance) {
   assert_true(fabs(value - expected) <= tolerance * fabs(expected));
 }
 
-/* The search stops within 1e-5; where growth sets in with its square, the 1e-10 a step that it takes for none add 1e-5.
- */
-static void linear_limits_are_those_of_theory(void **state) {
-  (void)state;
-  static const double precise = 1e-4;
-  test_hooke(&r, NULL,
-             "stability --quiet --out linear --integrators leapfrog,rk4,euler,stoermer,backward_euler,midpoint");
-  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
-  read_file("linear/linear.csv");
-  near(column("leapfrog,0,", 2), 2, precise);
-  near(column("leapfrog,0.5,", 2), 2 * (sqrt(2) - 1), precise);
-  near(column("leapfrog,10,", 2), 2 * (sqrt(401) - 20), precise);
-  near(column("rk4,0,", 2), 2 * sqrt(2), precise);
-  near(column("rk4,1,", 2), 2.785293563405282,
-       precise); /* root of z^3/24 - z^2/6 + z/2 - 1 (Hairer and Wanner, IV.2) */
-  near(column("euler,0.5,", 2), 1, precise);
-  near(column("stoermer,0,", 2), sqrt(2), precise);
-  assert_true(column("euler,0,", 2) == 0);
-  assert_true(column("midpoint,0,", 2) == 0);
-  assert_true(isinf(column("backward_euler,10,", 2)));
-  assert_true(test_exists("linear/linear.png") && test_exists("linear/linear.svg"));
-}
-
 static char boasting[512];
 
 static const char *with_boaster(void) {
@@ -184,7 +161,6 @@ static void a_case_that_is_not_described_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(linear_limits_are_those_of_theory),
       cmocka_unit_test(a_run_that_diverges_is_measured_in_parts),
       cmocka_unit_test(a_method_that_states_too_much_is_named),
       cmocka_unit_test(the_limit_on_a_scene_is_that_of_its_frequency),

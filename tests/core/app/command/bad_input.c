@@ -373,7 +373,7 @@ static void two_particles_at_one_point_make_no_nan(void **state) {
   test_write("same.lua", SCENE "scene:particle { mass = 1 }\nscene:particle { mass = 1 }\n"
                                "scene:force('springs', { edges = {{1, 2}}, k = 100, damping = 1, rest = 0.5 })\n"
                                "scene:force('central', { strength = 1, power = -2 })\n" END);
-  test_hooke(&r, NULL, "run same.lua --until 0.1 --json --quiet --no-output");
+  test_hooke(&r, NULL, "run same.lua --until 0.01 --json --quiet --no-output");
   assert_int_equal(r.code, 0);
   assert_true(test_json(r.out, "last") == test_json(r.out, "first"));
 }
