@@ -73,6 +73,41 @@ function tests.a_press_in_a_plot_moves_all_cursors_and_the_picture()
   assert(#xs == 2 and xs[1] == xs[2])
 end
 
+-- A chart's lines can be hidden, it grows, and it hands out its picture and its numbers; the view its picture.
+function tests.a_chart_can_be_read_closely_and_saved()
+  b:eval([[(() => {
+    const node = document.body.appendChild(document.createElement("div"));
+    node.id = "own";
+    const line = (name, values) => ({ name, run: 0, times: [0, 0.5, 1], values });
+    view.plots.make(node, [{ title: "a b", unit: "J", lines: [line("small", [0, 1, 2]), line("large, too", [0, null, 100])] }], () => {}).draw();
+    window.saves = {};
+    window.save = view.dom.save;
+    view.dom.save = (name, blob) => blob.text().then((text) => { window.saves[name] = text; });
+    return true;
+  })()]])
+  local function count(what) return b:eval(("document.querySelectorAll('#own %s').length"):format(what)) end
+  local function press(title) b:eval(("(document.querySelector('#own [title=\"%s\"]').click(), true)"):format(title)) end
+  local function ticks() return b:eval("[...document.querySelectorAll('#own text[text-anchor=end]')].map((t) => t.textContent).join(' ')") end
+  assert(count("path.line") == 2 and ticks():find("100", 1, true), ticks())
+  b:eval("(document.querySelectorAll('#own .key-item')[1].click(), true)")
+  assert(count("path.line") == 1 and count("[aria-pressed=false]") == 1 and not ticks():find("100", 1, true), ticks())
+  press("larger or smaller")
+  assert(b:eval("document.querySelector('#own svg').getAttribute('height')") == "340")
+  press("save the numbers")
+  b:wait("!!window.saves['a_b.csv']")
+  assert(b:eval("window.saves['a_b.csv']") == 'run,time (s),small,"large, too"\n1,0,0,0\n1,0.5,1,\n1,1,2,100\n', "numbers, of hidden lines too")
+  press("save the chart as a picture")
+  b:wait("!!window.saves['a_b.svg']")
+  local drawn = b:eval([[(() => {
+    const root = new DOMParser().parseFromString(window.saves["a_b.svg"], "image/svg+xml").documentElement, path = root.querySelector("path");
+    return [root.localName, root.querySelector("title").textContent, path.getAttribute("fill"), path.getAttribute("stroke").slice(0, 3)].join(" ");
+  })()]])
+  assert(drawn == "svg a b, J none rgb", drawn)
+  b:eval("(document.querySelector('#own').remove(), [...document.querySelectorAll('button')].find((e) => e.textContent === 'PNG').click(), true)")
+  b:wait("Object.keys(window.saves).some((name) => name.endsWith('.png') && window.saves[name].slice(1, 4) === 'PNG')")
+  b:eval("(view.dom.save = window.save, true)")
+end
+
 -- A run that has just begun has no times yet; its charts are drawn nevertheless, without a coordinate that is no number.
 function tests.a_chart_without_a_number_is_drawn()
   assert(b:eval([[(() => {
@@ -306,7 +341,7 @@ end
 
 local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_that_of_the_page",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
-  "a_chart_without_a_number_is_drawn",
+  "a_chart_can_be_read_closely_and_saved", "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "the_floor_is_below_what_is_drawn",
   "trails_show_where_particles_have_been", "colours_stand_for_numbers_and_have_a_legend",
   "ends_of_colours_that_saturate_are_marked", "the_verdict_says_what_to_set_in_the_scene",

@@ -12,6 +12,8 @@ view.app = (() => {
       this.economy = new view.economy.Economy(sources);
       this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.playingChanged());
       this.timeline = view.timeline.make($("timeline"), this.clock);
+      $("timeline").append(view.dom.el("button", { title: "save the view as a picture",
+        onclick: () => this.stage.save(`${this.sources[0].title}.png`) }, "PNG"));
       view.timeline.keys(this.clock);
       this.makeStage();
       this.inspector = view.inspector.make($("inspector"), () => this.pick(null));

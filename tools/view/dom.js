@@ -16,6 +16,12 @@ view.dom = (() => {
   return {
     el: (name, attributes, ...children) => fill(document.createElement(name), attributes, children),
     svg: (name, attributes, ...children) => fill(document.createElementNS(SVG, name), attributes, children),
+    // Hands a file to the browser's downloads.
+    save: (name, blob) => {
+      const url = URL.createObjectURL(blob);
+      fill(document.createElement("a"), { href: url, download: name }, []).click();
+      setTimeout(() => URL.revokeObjectURL(url), 10000);
+    },
     clear: (node) => { node.replaceChildren(); return node; },
   };
 })();

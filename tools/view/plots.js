@@ -1,10 +1,11 @@
 // plots: lines over time, one chart a group of series. The cursor of all of them is the clock's frame; a press in one
-// moves it. Lines of a second run are dashed.
+// moves it. Lines of a second run are dashed. A press on a line's name hides the line; a chart can be enlarged, and saved as a
+// picture (SVG) or as its numbers (CSV).
 "use strict";
 view.plots = (() => {
   const { el, svg, clear } = view.dom;
   const { within, ticks } = view.numbers;
-  const HEIGHT = 116, LEFT = 60, RIGHT = 10, TOP = 8, BOTTOM = 20;
+  const SMALL = 116, LARGE = 340, LEFT = 60, RIGHT = 10, TOP = 8, BOTTOM = 20;
 
   // The least and the largest of each pixel column, so that no peak is lost.
   const path = (times, values, x, y, width) => {
@@ -33,14 +34,21 @@ view.plots = (() => {
     return text;
   };
 
+  const saved = (name, type, text) => view.dom.save(`${name.replace(/[^\w.-]+/g, "_")}.${type.split("/")[1].split("+")[0]}`, new Blob([text], { type }));
+  const quoted = (word) => /[",\r\n]/.test(word) ? `"${word.replace(/"/g, '""')}"` : word;
+
   class Chart {
     // group: { title, unit, lines: [{ name, run, times, values }] }
     constructor(group, seek) {
-      Object.assign(this, { group, width: 0 });
+      Object.assign(this, { group, width: 0, height: SMALL, hidden: new Set() });
       this.now = el("span", { class: "chart-now" });
-      this.svg = svg("svg", { class: "chart", height: HEIGHT, role: "img", "aria-label": group.title });
+      const tool = (text, title, onclick) => el("button", { class: "chart-tool", title, onclick }, text);
+      this.tools = el("span", { class: "chart-tools" }, tool("⤢", "larger or smaller", () => this.grow()),
+        tool("SVG", "save the chart as a picture", () => saved(group.title, "image/svg+xml", this.picture())),
+        tool("CSV", "save the numbers", () => saved(group.title, "text/csv", this.numbers())));
+      this.svg = svg("svg", { class: "chart", role: "img", "aria-label": group.title });
       this.node = el("figure", {}, el("figcaption", {}, el("span", { class: "chart-title" }, group.title,
-        group.unit ? el("small", {}, group.unit) : null), this.key(), this.now), this.svg);
+        group.unit ? el("small", {}, group.unit) : null), this.key(), this.now, this.tools), this.svg);
       const drag = (e) => { if (e.buttons & 1) seek(this.timeAt(e.offsetX)); };
       this.svg.addEventListener("pointerdown", (e) => { this.svg.setPointerCapture(e.pointerId); drag(e); });
       this.svg.addEventListener("pointermove", drag);
@@ -50,7 +58,49 @@ view.plots = (() => {
     key() {
       const own = this.group.lines.filter((line) => line.run === 0);
       return el("span", { class: "key" }, own.length > 1
-        ? own.map((line, k) => el("span", { class: `key-item line-${k % 6}` }, line.name)) : null);
+        ? own.map((line, k) => el("button", { class: `key-item line-${k % 6}`, title: "show or hide", "aria-pressed": "true",
+          onclick: (e) => e.currentTarget.setAttribute("aria-pressed", this.toggle(line.name)) }, line.name)) : null);
+    }
+
+    // Whether the lines of that name are shown now.
+    toggle(name) {
+      if (!this.hidden.delete(name)) this.hidden.add(name);
+      this.draw();
+      return !this.hidden.has(name);
+    }
+
+    shows(line) { return !this.hidden.has(line.name); }
+
+    grow() {
+      this.height = this.height === SMALL ? LARGE : SMALL;
+      this.draw();
+    }
+
+    // Its SVG with the colours of the page's style written into it, so that other programs draw it alike.
+    picture() {
+      const copy = this.svg.cloneNode(true), { left, right } = { left: this.svg.querySelectorAll("*"), right: copy.querySelectorAll("*") };
+      left.forEach((from, k) => {
+        const style = getComputedStyle(from);
+        for (const name of ["stroke", "fill", "stroke-width", "stroke-dasharray", "font-size", "font-family"]) {
+          right[k].setAttribute(name, style.getPropertyValue(name));
+        }
+        right[k].removeAttribute("class");
+      });
+      copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+      copy.setAttribute("width", this.width);
+      copy.prepend(svg("title", {}, this.group.title + (this.group.unit ? `, ${this.group.unit}` : "")));
+      return copy.outerHTML;
+    }
+
+    // A row for each time of each run, a column for each line, empty where a number is not known.
+    numbers() {
+      const names = [...new Set(this.group.lines.map((line) => line.name))], rows = [];
+      for (const run of new Set(this.group.lines.map((line) => line.run))) {
+        const lines = names.map((name) => this.group.lines.find((line) => line.run === run && line.name === name));
+        const { times } = lines.find((line) => line);
+        times.forEach((t, k) => rows.push([run + 1, t, ...lines.map((line) => line && Number.isFinite(line.values[k]) ? line.values[k] : "")]));
+      }
+      return [["run", "time (s)", ...names].map((word) => quoted(String(word))), ...rows].map((row) => `${row.join(",")}\n`).join("");
     }
 
     colourOf(line) { return this.group.lines.filter((l) => l.run === line.run).indexOf(line) % 6; }
@@ -58,7 +108,7 @@ view.plots = (() => {
     range() {
       let low = Infinity, high = -Infinity, begin = Infinity, end = -Infinity;
       for (const line of this.group.lines) {
-        for (const v of line.values) if (v !== null && Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
+        if (this.shows(line)) for (const v of line.values) if (v !== null && Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
         if (line.times.length) { // a run that has just begun may have none
           begin = Math.min(begin, line.times[0]);
           end = Math.max(end, line.times[line.times.length - 1]);
@@ -82,16 +132,17 @@ view.plots = (() => {
       if (!width) return;
       this.width = width;
       this.bounds = this.range();
-      const { low, high, begin, end } = this.bounds, inner = width - LEFT - RIGHT, bottom = HEIGHT - BOTTOM;
+      const { low, high, begin, end } = this.bounds, inner = width - LEFT - RIGHT, bottom = this.height - BOTTOM;
       this.x = (t) => LEFT + (t - begin) / (end - begin) * inner;
       this.y = (v) => bottom - (v - low) / (high - low) * (bottom - TOP);
-      clear(this.svg).setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
-      for (const t of ticks(low, high, 5)) this.svg.append(
+      clear(this.svg).setAttribute("viewBox", `0 0 ${width} ${this.height}`);
+      this.svg.setAttribute("height", this.height);
+      for (const t of ticks(low, high, this.height === SMALL ? 5 : 9)) this.svg.append(
         svg("line", { class: t.value === 0 ? "zero" : "grid", x1: LEFT, x2: width - RIGHT, y1: this.y(t.value), y2: this.y(t.value) }),
         svg("text", { x: LEFT - 6, y: this.y(t.value) + 3.5, "text-anchor": "end" }, t.text));
       for (const t of ticks(begin, end, Math.floor(inner / 70))) this.svg.append(
-        svg("text", { x: this.x(t.value), y: HEIGHT - 5, "text-anchor": "middle" }, t.text));
-      for (const line of this.group.lines) this.svg.append(svg("path", {
+        svg("text", { x: this.x(t.value), y: this.height - 5, "text-anchor": "middle" }, t.text));
+      for (const line of this.group.lines) if (this.shows(line)) this.svg.append(svg("path", {
         class: `line line-${this.colourOf(line)}${line.run ? " second" : ""}`, d: path(line.times, line.values, this.x, this.y, inner) }));
       this.cursor = svg("line", { class: "cursor", y1: TOP, y2: bottom });
       this.dots = this.group.lines.map((line) => svg("circle", { r: 3, class: `dot line-${this.colourOf(line)}` }));
@@ -109,13 +160,13 @@ view.plots = (() => {
       const said = [];
       this.group.lines.forEach((line, j) => {
         const value = line.values[Math.min(k[line.run], line.values.length - 1)];
-        const known = value !== null && Number.isFinite(value);
+        const known = value !== null && Number.isFinite(value) && this.shows(line);
         this.dots[j].setAttribute("visibility", known ? "visible" : "hidden");
         if (known) {
           this.dots[j].setAttribute("cx", x);
           this.dots[j].setAttribute("cy", this.y(value));
         }
-        said.push(within(value, (this.bounds.high - this.bounds.low) * 1e-4));
+        if (this.shows(line)) said.push(within(value, (this.bounds.high - this.bounds.low) * 1e-4));
       });
       this.now.textContent = said.length <= 4 ? said.join("   ") : "";
     }

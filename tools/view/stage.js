@@ -127,6 +127,12 @@ view.stage = (() => {
       if (this.rendered) this.rendered();
     }
 
+    // The picture as a file: what WebGL has drawn is there until the browser shows it.
+    save(name) {
+      this.render();
+      this.canvas.toBlob((blob) => view.dom.save(name, blob));
+    }
+
     // The particle nearest to the eye within some pixels of the point, { layer, index }, or null.
     pick(px, py) {
       const { camera } = this.orbit, reach = 12;
