@@ -1,5 +1,6 @@
 /* hooke check: faults that are put into plugins that are right are found, in the sentence that names them
- * (check_faults.h). Every eighth of them: check_long.c tries all, tables that take longer, and the plugins of the build. */
+ * (check_faults.h). Every eighth of them: check_long.c tries all, tables that take longer, and the plugins of the
+ * build. */
 #include "tests/tools/check_faults.h"
 
 static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 8); }

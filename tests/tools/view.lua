@@ -79,7 +79,8 @@ function tests.a_chart_can_be_read_closely_and_saved()
     const node = document.body.appendChild(document.createElement("div"));
     node.id = "own";
     const line = (name, values) => ({ name, run: 0, times: [0, 0.5, 1], values });
-    view.plots.make(node, [{ title: "a b", unit: "J", lines: [line("small", [0, 1, 2]), line("large, too", [0, null, 100])] }], () => {}).draw();
+    const lines = [line("small", [0, 1, 2]), line("large, too", [0, null, 100])];
+    view.plots.make(node, [{ title: "a b", unit: "J", lines }], () => {}).draw();
     window.saves = {};
     window.save = view.dom.save;
     view.dom.save = (name, blob) => blob.text().then((text) => { window.saves[name] = text; });
@@ -87,7 +88,9 @@ function tests.a_chart_can_be_read_closely_and_saved()
   })()]])
   local function count(what) return b:eval(("document.querySelectorAll('#own %s').length"):format(what)) end
   local function press(title) b:eval(("(document.querySelector('#own [title=\"%s\"]').click(), true)"):format(title)) end
-  local function ticks() return b:eval("[...document.querySelectorAll('#own text[text-anchor=end]')].map((t) => t.textContent).join(' ')") end
+  local function ticks()
+    return b:eval("[...document.querySelectorAll('#own text[text-anchor=end]')].map((t) => t.textContent).join(' ')")
+  end
   assert(count("path.line") == 2 and ticks():find("100", 1, true), ticks())
   b:eval("(document.querySelectorAll('#own .key-item')[1].click(), true)")
   assert(count("path.line") == 1 and count("[aria-pressed=false]") == 1 and not ticks():find("100", 1, true), ticks())
@@ -95,15 +98,19 @@ function tests.a_chart_can_be_read_closely_and_saved()
   assert(b:eval("document.querySelector('#own svg').getAttribute('height')") == "340")
   press("save the numbers")
   b:wait("!!window.saves['a_b.csv']")
-  assert(b:eval("window.saves['a_b.csv']") == 'run,time (s),small,"large, too"\n1,0,0,0\n1,0.5,1,\n1,1,2,100\n', "numbers, of hidden lines too")
+  local numbers = 'run,time (s),small,"large, too"\n1,0,0,0\n1,0.5,1,\n1,1,2,100\n' -- also of what is hidden
+  assert(b:eval("window.saves['a_b.csv']") == numbers)
   press("save the chart as a picture")
   b:wait("!!window.saves['a_b.svg']")
   local drawn = b:eval([[(() => {
-    const root = new DOMParser().parseFromString(window.saves["a_b.svg"], "image/svg+xml").documentElement, path = root.querySelector("path");
-    return [root.localName, root.querySelector("title").textContent, path.getAttribute("fill"), path.getAttribute("stroke").slice(0, 3)].join(" ");
+    const root = new DOMParser().parseFromString(window.saves["a_b.svg"], "image/svg+xml").documentElement;
+    const path = root.querySelector("path");
+    const painted = [path.getAttribute("fill"), path.getAttribute("stroke").slice(0, 3)];
+    return [root.localName, root.querySelector("title").textContent, ...painted].join(" ");
   })()]])
   assert(drawn == "svg a b, J none rgb", drawn)
-  b:eval("(document.querySelector('#own').remove(), [...document.querySelectorAll('button')].find((e) => e.textContent === 'PNG').click(), true)")
+  b:eval("(document.querySelector('#own').remove(), true)")
+  b:eval("([...document.querySelectorAll('button')].find((e) => e.textContent === 'PNG').click(), true)")
   b:wait("Object.keys(window.saves).some((name) => name.endsWith('.png') && window.saves[name].slice(1, 4) === 'PNG')")
   b:eval("(view.dom.save = window.save, true)")
 end
