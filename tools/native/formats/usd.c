@@ -72,12 +72,12 @@ static bool make_room(hk_usd_prim *p, size_t points) {
 }
 
 static bool choose_mesh(hk_usd_prim *p, const hk_frame_data *s, uint32_t *place) {
-  enum { NONE = UINT32_MAX };
+  const uint32_t none = UINT32_MAX;
   if (!make_room(p, s->n)) return false;
-  for (size_t i = 0; i < s->n; i++) place[i] = NONE;
+  for (size_t i = 0; i < s->n; i++) place[i] = none;
   for (size_t k = 0; k < 3 * s->cells.triangles; k++) place[s->cells.triangle[k / 3][k % 3]] = 0;
   for (uint32_t i = 0; i < s->n; i++) {
-    if (place[i] == NONE) continue;
+    if (place[i] == none) continue;
     place[i] = (uint32_t)p->points;
     p->point[p->points++] = i;
   }
