@@ -166,9 +166,8 @@ view.app = (() => {
       const f = source.fields.find((one) => one.name === this.paint);
       if (!f) return null;
       const both = this.sources.map((s) => s.fields.find((one) => one.name === f.name)).filter(Boolean);
-      const least = (...names) => Math.min(...both.map((b) => b[names.find((n) => b[n] !== undefined)]));
-      const most = (...names) => Math.max(...both.map((b) => b[names.find((n) => b[n] !== undefined)]));
-      const scale = view.colours.scale(least("least"), most("most"), f.map, least("lowest", "least"), most("highest", "most"));
+      const scale = view.colours.scale(Math.min(...both.map((b) => b.least)), Math.max(...both.map((b) => b.most)), f.map,
+        Math.min(...both.map((b) => b.lowest ?? b.least)), Math.max(...both.map((b) => b.highest ?? b.most)));
       return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale };
     }
 

@@ -34,7 +34,7 @@ view.plots = (() => {
     return text;
   };
 
-  const saved = (name, type, text) => view.dom.save(`${name.replace(/[^\w.-]+/g, "_")}.${type.split("/")[1].split("+")[0]}`, new Blob([text], { type }));
+  const save = (title, ending, type, text) => view.dom.save(`${title.replace(/[^\w.-]+/g, "_")}.${ending}`, new Blob([text], { type }));
   const quoted = (word) => /[",\r\n]/.test(word) ? `"${word.replace(/"/g, '""')}"` : word;
 
   class Chart {
@@ -44,8 +44,8 @@ view.plots = (() => {
       this.now = el("span", { class: "chart-now" });
       const tool = (text, title, onclick) => el("button", { class: "chart-tool", title, onclick }, text);
       this.tools = el("span", { class: "chart-tools" }, tool("⤢", "larger or smaller", () => this.grow()),
-        tool("SVG", "save the chart as a picture", () => saved(group.title, "image/svg+xml", this.picture())),
-        tool("CSV", "save the numbers", () => saved(group.title, "text/csv", this.numbers())));
+        tool("SVG", "save the chart as a picture", () => save(group.title, "svg", "image/svg+xml", this.picture())),
+        tool("CSV", "save the numbers", () => save(group.title, "csv", "text/csv", this.numbers())));
       this.svg = svg("svg", { class: "chart", role: "img", "aria-label": group.title });
       this.node = el("figure", {}, el("figcaption", {}, el("span", { class: "chart-title" }, group.title,
         group.unit ? el("small", {}, group.unit) : null), this.key(), this.now, this.tools), this.svg);
@@ -78,13 +78,13 @@ view.plots = (() => {
 
     // Its SVG with the colours of the page's style written into it, so that other programs draw it alike.
     picture() {
-      const copy = this.svg.cloneNode(true), { left, right } = { left: this.svg.querySelectorAll("*"), right: copy.querySelectorAll("*") };
-      left.forEach((from, k) => {
+      const copy = this.svg.cloneNode(true), into = copy.querySelectorAll("*");
+      this.svg.querySelectorAll("*").forEach((from, k) => {
         const style = getComputedStyle(from);
         for (const name of ["stroke", "fill", "stroke-width", "stroke-dasharray", "font-size", "font-family"]) {
-          right[k].setAttribute(name, style.getPropertyValue(name));
+          into[k].setAttribute(name, style.getPropertyValue(name));
         }
-        right[k].removeAttribute("class");
+        into[k].removeAttribute("class");
       });
       copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
       copy.setAttribute("width", this.width);

@@ -42,7 +42,7 @@ void hk_knots_note(const hk_knots *knots, double t, double slope) {
   knots->slope[k + 1] += part * slope;
 }
 
-/* The forces that the chain rule does not cover, and the paths of pins, which no parameter may change. */
+/* Whether the comparison of runs has to see that the parameter does not change the path of a pin. */
 static bool moves_pins(const hk_varied *by) {
   const hk_pins *more = by->more->pins, *less = by->less->pins;
   return more->has_paths || more->has_slides || less->has_paths || less->has_slides;

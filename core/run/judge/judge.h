@@ -128,10 +128,9 @@ hk_sampling hk_under_sampled(hk_loop *, const hk_trajectory *, size_t most_calls
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
 /* The begins and ends of such variation, and of jumps unless there are more than are listed, in the order of time,
- * without repetition, at most `room`; their number. A begin
- * is just before the first change and an end just after the last one, so that a method that ends a step at each has
- * steps of its own for every pulse. Where a pulse rises by a jump it still needs several: the first and the last have a
- * jump. */
+ * without repetition, at most `room`; their number. A begin is just before the first change and an end just after the
+ * last one, so that a method that ends a step at each has steps of its own for every pulse. Where a pulse rises by a
+ * jump it still needs several: the first and the last have a jump. */
 size_t hk_sampling_cuts(const hk_sampling *, double *times, size_t room);
 
 /* ---- missed_encounters.c: forces of short range that steps pass by ---- */
@@ -373,8 +372,7 @@ struct hk_judgement {
 
 hk_status hk_judgement_open(hk_judgement *, const hk_scene *, hk_error *error);
 void hk_judgement_close(hk_judgement *);
-/* At the end, and after comparisons: gathers the evidence and finds the verdict. HK_SCRIPT: the exact solution failed,
- * with loop->error. */
+/* At the end, and after comparisons: finds the verdict. HK_SCRIPT, with loop->error: the exact solution failed. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
 /* Whether something acts or ceases within steps (impacts, friction, correctors): a part of a run then shows little. */
 bool hk_is_abrupt(const hk_loop *);

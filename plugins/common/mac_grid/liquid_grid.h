@@ -50,6 +50,13 @@ static inline double hk_liquid_cell_volume(const hk_liquid_grid *g) {
   return g->spacing[0] * g->spacing[1] * g->spacing[2];
 }
 
+/* In a plane grid wherever it is across the plane. */
+static inline bool hk_liquid_in_box(const hk_liquid_grid *g, const double x[3]) {
+  for (int c = 0; c < 3; c++)
+    if (!g->flat[c] && !(x[c] >= g->low[c] && x[c] <= g->high[c])) return false;
+  return true;
+}
+
 /* Where a point is among faces and among centres: along each axis the number before it, and the part of the way to the
  * next. at_wall: nearer to a wall than the first centre. */
 typedef struct hk_liquid_place {

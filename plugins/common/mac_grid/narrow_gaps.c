@@ -58,14 +58,8 @@ typedef struct narrowest {
 
 enum { NONE = HK_OBSTACLES };
 
-static bool is_inside(const hk_liquid_grid *g, const double x[3]) {
-  for (int c = 0; c < 3; c++)
-    if (!g->flat[c] && !(x[c] >= g->low[c] && x[c] <= g->high[c])) return false;
-  return true;
-}
-
 static void consider(narrowest *n, double gap, const double middle[3], double least, size_t first, size_t second) {
-  if (!(gap > least) || gap >= n->gap || !is_inside(n->grid, middle)) return;
+  if (!(gap > least) || gap >= n->gap || !hk_liquid_in_box(n->grid, middle)) return;
   *n = (narrowest){n->grid, gap, {middle[0], middle[1], middle[2]}, first, second};
 }
 

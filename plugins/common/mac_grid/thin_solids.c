@@ -13,12 +13,6 @@ static bool leaves_plane(const hk_liquid_grid *g, const double direction[3]) {
   return leaves;
 }
 
-static bool is_inside(const hk_liquid_grid *g, const double x[3]) {
-  for (int c = 0; c < 3; c++)
-    if (!g->flat[c] && !(x[c] >= g->low[c] && x[c] <= g->high[c])) return false;
-  return true;
-}
-
 static double extent_of(const hk_liquid_grid *g, const hk_obstacle *o) {
   double least = INFINITY;
   for (int c = 0; c < 3; c++) {
@@ -75,7 +69,7 @@ static double mesh_thickness(const hk_liquid_grid *g, const hk_obstacle *o, doub
       double p[3], x[3];
       sample(s, f, k, p);
       hk_body_place(&o->motion.end, p, x);
-      double way = is_inside(g, x) ? way_from(&o->shape, p, s->face_normal[f], fmin(most, least)) : INFINITY;
+      double way = hk_liquid_in_box(g, x) ? way_from(&o->shape, p, s->face_normal[f], fmin(most, least)) : INFINITY;
       if (!(way < least)) continue;
       least = way;
       hk_copy(place, x);

@@ -1,9 +1,15 @@
 /* Products of the transposed Jacobian of damped springs with a vector u, and derivatives by their coefficients, from
- * the tuples as they are given. With x = x_j - x_i, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j is f = -(k
- * (l - L) + c v.n) n, u.F = w.f, and (spring_blocks.h) with b = k (1 - L/l) + (c/l) v.n d(w.f)/dx = -((k - b) (n.w) n +
- * b w + (c/l) (n.w) (v - (v.n) n)),     d(w.f)/dv = -c (n.w) n, d(w.f)/dk = -(l - L) n.w,     d(w.f)/dc = -(v.n) n.w,
- * d(w.f)/dL = k n.w. Where l is 0 a spring with L = 0 is k times the identity, and others have no derivative, as in
- * spring_blocks.h.
+ * the tuples as they are given. With x = x_j - x_i, l = |x|, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j is
+ *
+ *   f = -(k (l - L) + c v.n) n,   u.F = w.f,
+ *
+ * and (spring_blocks.h) with b = k (1 - L/l) + (c/l) v.n
+ *
+ *   d(w.f)/dx = -((k - b) (n.w) n + b w + (c/l) (n.w) (v - (v.n) n)),
+ *   d(w.f)/dv = -c (n.w) n,
+ *   d(w.f)/dk = -(l - L) n.w,   d(w.f)/dc = -(v.n) n.w,   d(w.f)/dL = k n.w.
+ *
+ * Where l is 0 a spring with L = 0 is k times the identity, and others have no derivative, as in spring_blocks.h.
  *
  * HK_SPRING_BATCH springs at a time are gathered, computed in vectors, and added one after the other. */
 #ifndef HK_SPRING_TRANSPOSED_H

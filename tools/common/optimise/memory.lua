@@ -23,25 +23,29 @@ local function numbers_of(text)
   return list
 end
 
+local function texts_of(lists)
+  local texts = {}
+  for k, list in ipairs(lists or {}) do texts[k] = text_of(list) end
+  return texts
+end
+
+local function lists_of(texts)
+  local lists = {}
+  for k, text in ipairs(texts) do lists[k] = numbers_of(text) end
+  return lists
+end
+
 local function packed(found)
-  local row = { failed = found.failed, integrator = found.integrator, misses = text_of(found.misses),
-    numbers = text_of { found.dt or 0, found.cost or 0 }, cost_slopes = found.cost_slopes and text_of(found.cost_slopes) }
-  if found.slopes then
-    row.slopes = {}
-    for g, list in ipairs(found.slopes) do row.slopes[g] = text_of(list) end
-  end
-  return row
+  return { failed = found.failed, integrator = found.integrator, misses = text_of(found.misses),
+    numbers = text_of { found.dt or 0, found.cost or 0 }, cost_slopes = found.cost_slopes and text_of(found.cost_slopes),
+    slopes = found.slopes and texts_of(found.slopes) }
 end
 
 local function unpacked(row)
   local numbers = numbers_of(row.numbers)
-  local found = { failed = row.failed, integrator = row.integrator, misses = numbers_of(row.misses), dt = numbers[1],
-    cost = numbers[2], cost_slopes = row.cost_slopes and numbers_of(row.cost_slopes) }
-  if row.slopes then
-    found.slopes = {}
-    for g, text in ipairs(row.slopes) do found.slopes[g] = numbers_of(text) end
-  end
-  return found
+  return { failed = row.failed, integrator = row.integrator, misses = numbers_of(row.misses), dt = numbers[1],
+    cost = numbers[2], cost_slopes = row.cost_slopes and numbers_of(row.cost_slopes),
+    slopes = row.slopes and lists_of(row.slopes) }
 end
 
 -- What is on file for the values u under these words, or what take() gives, which is kept.
@@ -56,18 +60,6 @@ function memory:recall(words, u, take)
 end
 
 -- ---- the state of a search, under words and the values u from which it began: the last one that was saved ----
-
-local function texts_of(lists)
-  local texts = {}
-  for k, list in ipairs(lists or {}) do texts[k] = text_of(list) end
-  return texts
-end
-
-local function lists_of(texts)
-  local lists = {}
-  for k, text in ipairs(texts) do lists[k] = numbers_of(text) end
-  return lists
-end
 
 -- state: iteration, dt, and lists of numbers, u, penalty and price, and lists of these, nodes and weights (or nil).
 function memory:save(words, u, state)

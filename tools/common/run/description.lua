@@ -134,6 +134,9 @@ local function words_of(path, tool, kinds, d, o)
   return all
 end
 
+-- Whether the text of a script describes a run of the tool rather than a scene.
+function description.names(text, tool) return text:find("hooke%s*%.%s*" .. tool .. "%f[^%w_]") ~= nil end
+
 -- The first word that is no name=value, if that file describes a run of the tool.
 local function described(tool, words)
   for _, word in ipairs(words) do
@@ -141,7 +144,7 @@ local function described(tool, words)
       local file = io.open(word, "rb")
       local text = file and file:read("a")
       if file then file:close() end
-      return text and text:find("hooke%s*%.%s*" .. tool .. "%f[^%w_]") and word
+      return text and description.names(text, tool) and word
     end
   end
 end

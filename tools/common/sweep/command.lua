@@ -1,4 +1,5 @@
 -- The command line of hooke sweep: one table of options drives parsing and help.
+local description = require("common.run.description")
 local lfs = require("lfs")
 local plan = require("common.sweep.plan")
 local ranges = require("ranges")
@@ -140,7 +141,7 @@ function command.define(asked)
   if not text then plan.refuse("cannot read %s", why or asked.path) end
   file:close()
   local given = asked.given
-  local d = script.is_sweep(text) and script.read(asked.path) or { scene = asked.path, folder = "." }
+  local d = description.names(text, "sweep") and script.read(asked.path) or { scene = asked.path, folder = "." }
   d.params = d.params or {}
   for name, values in pairs(asked.params) do d.params[name] = values end
   d.integrators = given["--integrators"] and methods(given["--integrators"]) or d.integrators

@@ -3,11 +3,6 @@
 -- which takes the table that it returns.
 local script = {}
 
--- Whether a file is a sweep rather than a scene.
-function script.is_sweep(text)
-  return text:find("hooke%s*%.%s*sweep") ~= nil
-end
-
 -- The definition that the script at `path` returns.
 function script.read(path)
   local name = path:match("[^/]*$")

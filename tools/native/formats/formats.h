@@ -28,10 +28,15 @@ typedef struct hk_whole_file {
 
 /* False with a sentence in `why`. */
 bool hk_whole_open(hk_whole_file *, const char *path, char *why, size_t size);
+/* False, with the sentence of the C library for `cause`, an errno, in `why`. */
+bool hk_whole_failed(int cause, char *why, size_t size);
 /* After some writes, before anything else is called that sets errno: whether all went well. */
 bool hk_whole_check(hk_whole_file *);
 /* `keep`: under its name; otherwise, or where a write failed, there is no file. False: it failed, with a sentence in
  * `why`. */
 bool hk_whole_close(hk_whole_file *, bool keep, char *why, size_t size);
+
+/* The middle of the box about the particles; returns its diagonal, m. Both 0 without any. */
+double hk_frame_middle(const hk_frame_data *, double middle[3]);
 
 #endif

@@ -13,11 +13,6 @@ enum { FLOATS = 5126, INDICES = 5125, POINTS = 0, LINES = 1, TRIANGLES = 4 };
 enum { HEAD = 12, CHUNK_HEAD = 8, JSON_HEAD = 4096, JSON_FRAME = 2560 };
 static const double crease = 0.766; /* cosine of 40 degrees: faces that are turned further have an edge between them */
 
-static bool failed(int cause, char *why, size_t size) {
-  snprintf(why, size, "%s", strerror(cause));
-  return false;
-}
-
 /* ---- the lists of the JSON ---- */
 
 /* Adds an entry and returns its index. */
@@ -268,33 +263,25 @@ static bool end_mesh(hk_gltf *g, bool last) {
 bool hk_gltf_open(hk_gltf *g, const char *path, size_t frames, bool z_up, char *why, size_t size) {
   *g = (hk_gltf){.most = frames, .z_up = z_up, .room = (JSON_HEAD + JSON_FRAME * frames) & ~(size_t)3};
   g->time = malloc((frames + 1) * sizeof *g->time);
-  if (!g->time || !lists_open(g)) return failed(ENOMEM, why, size);
+  if (!g->time || !lists_open(g)) return hk_whole_failed(ENOMEM, why, size);
   if (!hk_whole_open(&g->file, path, why, size)) return false;
   if (fseek(g->file.stream, (long)(HEAD + CHUNK_HEAD + g->room + CHUNK_HEAD), SEEK_SET) != 0)
-    return failed(errno, why, size);
+    return hk_whole_failed(errno, why, size);
   return true;
 }
 
-static void set_origin(hk_gltf *g, const hk_frame_data *s) {
-  for (int c = 0; c < 3; c++) {
-    double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < s->n; i++) low = fmin(low, s->x[3 * i + c]), high = fmax(high, s->x[3 * i + c]);
-    g->origin[c] = s->n ? (low + high) / 2 : 0;
-  }
-}
-
 bool hk_gltf_add(hk_gltf *g, const hk_frame_data *s, bool changed, char *why, size_t size) {
-  if (g->times == 0) set_origin(g, s);
+  if (g->times == 0) hk_frame_middle(s, g->origin);
   g->time[g->times] = s->t;
-  if (g->frames && changed && !end_mesh(g, false)) return failed(ENOMEM, why, size);
-  if (s->n > 0 && !g->frames && !begin_mesh(g, s)) return failed(ENOMEM, why, size);
+  if (g->frames && changed && !end_mesh(g, false)) return hk_whole_failed(ENOMEM, why, size);
+  if (s->n > 0 && !g->frames && !begin_mesh(g, s)) return hk_whole_failed(ENOMEM, why, size);
   if (s->n > 0 && g->frames++ > 0) add_target(g, s);
   g->times++;
   if (HEAD + 2 * CHUNK_HEAD + g->room + g->bytes > UINT32_MAX) {
     snprintf(why, size, "more than 4 GiB, the most that a file of glTF can have: take fewer frames (--every 2)");
     return false;
   }
-  return hk_whole_check(&g->file) || failed(g->file.cause, why, size);
+  return hk_whole_check(&g->file) || hk_whole_failed(g->file.cause, why, size);
 }
 
 static void write_json(hk_gltf *g, FILE *to) {

@@ -9,14 +9,9 @@
 
 enum { SAMPLES_AT = 28 };
 
-static bool failed(int cause, char *why, size_t size) {
-  snprintf(why, size, "%s", strerror(cause));
-  return false;
-}
-
 bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_frame_data *first, char *why, size_t size) {
   *p = (hk_pc2){.n = first->n, .id = malloc((first->n + 1) * sizeof *p->id)};
-  if (!p->id) return failed(ENOMEM, why, size);
+  if (!p->id) return hk_whole_failed(ENOMEM, why, size);
   memcpy(p->id, first->id, first->n * sizeof *p->id);
   if (!hk_whole_open(&p->file, path, why, size)) return false;
   FILE *file = p->file.stream;
@@ -26,7 +21,7 @@ bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_frame_data *first, char *
   hk_put_little(file, hk_bits_single(0), 4);
   hk_put_little(file, hk_bits_single(1), 4);
   hk_put_little(file, 0, 4);
-  return hk_whole_check(&p->file) || failed(p->file.cause, why, size);
+  return hk_whole_check(&p->file) || hk_whole_failed(p->file.cause, why, size);
 }
 
 bool hk_pc2_fits(const hk_pc2 *p, const hk_frame_data *s) {
@@ -36,7 +31,7 @@ bool hk_pc2_fits(const hk_pc2 *p, const hk_frame_data *s) {
 bool hk_pc2_add(hk_pc2 *p, const hk_frame_data *s, char *why, size_t size) {
   for (size_t k = 0; k < 3 * s->n; k++) hk_put_little(p->file.stream, hk_bits_single((float)s->x[k]), 4);
   p->samples++;
-  return hk_whole_check(&p->file) || failed(p->file.cause, why, size);
+  return hk_whole_check(&p->file) || hk_whole_failed(p->file.cause, why, size);
 }
 
 bool hk_pc2_close(hk_pc2 *p, bool keep, char *why, size_t size) {

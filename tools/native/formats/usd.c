@@ -16,11 +16,6 @@ static const char *const attribute_name[HK_USD_PRIMS][HK_USD_ATTRIBUTES] = {
     {"point3f[] points", "vector3f[] velocities", "float3[] extent", "int64[] ids", NULL},
 };
 
-static bool failed(int cause, char *why, size_t size) {
-  snprintf(why, size, "%s", strerror(cause));
-  return false;
-}
-
 bool hk_usd_open(hk_usd *u, const char *path, double fps, bool z_up, char *why, size_t size) {
   *u = (hk_usd){.fps = fps, .z_up = z_up};
   return hk_whole_open(&u->file, path, why, size);
@@ -156,7 +151,7 @@ static bool begin_prim(hk_usd *u, hk_usd_prim_kind kind, char *why, size_t size)
     char path[PATH_MAX];
     if (!attribute_name[kind][a]) continue;
     if (snprintf(path, sizeof path, "%s.%d%d", u->file.path, kind, a) >= (int)sizeof path)
-      return failed(ENAMETOOLONG, why, size);
+      return hk_whole_failed(ENAMETOOLONG, why, size);
     if (!hk_whole_open(&p->samples[a], path, why, size)) return false;
     if (u->frames > 1) fprintf(p->samples[a].stream, "            %.10g: [],\n", u->first);
   }
@@ -168,7 +163,7 @@ static bool choose(hk_usd *u, const hk_frame_data *s, char *why, size_t size) {
   bool fine = place && choose_mesh(&u->prim[HK_USD_MESH], s, place) &&
               choose_curves(&u->prim[HK_USD_CURVES], &s->cells) &&
               choose_particles(&u->prim[HK_USD_PARTICLES], &s->cells);
-  if (!fine) failed(ENOMEM, why, size);
+  if (!fine) hk_whole_failed(ENOMEM, why, size);
   for (int k = 0; k < HK_USD_PRIMS && fine; k++) {
     hk_usd_prim *p = &u->prim[k];
     if (!p->begun && p->points) fine = begin_prim(u, (hk_usd_prim_kind)k, why, size);
@@ -183,21 +178,11 @@ static bool choose(hk_usd *u, const hk_frame_data *s, char *why, size_t size) {
 
 /* ---- the file ---- */
 
-static void measure_first(hk_usd *u, const hk_frame_data *s) {
-  double diagonal = 0;
-  for (int c = 0; c < 3; c++) {
-    double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < s->n; i++) low = fmin(low, s->x[3 * i + c]), high = fmax(high, s->x[3 * i + c]);
-    u->origin[c] = s->n ? (low + high) / 2 : 0;
-    diagonal = hypot(diagonal, s->n ? high - low : 0);
-  }
-  u->width = diagonal > 0 ? diagonal / 200 : 0.01;
-}
-
 bool hk_usd_add(hk_usd *u, const hk_frame_data *s, bool changed, char *why, size_t size) {
   u->last = s->t * u->fps;
   if (u->frames++ == 0) {
-    measure_first(u, s);
+    double diagonal = hk_frame_middle(s, u->origin);
+    u->width = diagonal > 0 ? diagonal / 200 : 0.01;
     u->first = u->last;
     changed = true;
   }
@@ -207,7 +192,8 @@ bool hk_usd_add(hk_usd *u, const hk_frame_data *s, bool changed, char *why, size
     if (!p->begun) continue;
     add_motion(u, p, s);
     for (int a = 0; a < HK_USD_ATTRIBUTES; a++)
-      if (p->samples[a].stream && !hk_whole_check(&p->samples[a])) return failed(p->samples[a].cause, why, size);
+      if (p->samples[a].stream && !hk_whole_check(&p->samples[a]))
+        return hk_whole_failed(p->samples[a].cause, why, size);
   }
   return true;
 }
