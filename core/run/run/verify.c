@@ -169,6 +169,7 @@ enum { MOST_TRIALS = 3 };
 static const double least = 0.2 /* s, that trials may take in any case */, most = 100 /* s, at most */, in_contact = 8;
 static const double compared = 3.5, alone = 1.2; /* runs: what a run costs with its comparisons */
 static const double worth_a_word = 2;            /* s */
+static const double little_work = 10000;         /* steps times particles */
 
 /* s, that a run with this step or tolerance may take, with its comparisons. */
 static double expected(const hk_run *run, const hk_summary *s, const hk_remedy *r) {
@@ -176,6 +177,12 @@ static double expected(const hk_run *run, const hk_summary *s, const hk_remedy *
   if (r->dt > 0) steps = s->dt_max / r->dt;
   if (r->tol > 0) steps = pow(tol / r->tol, 1 / (1.0 + run->loop.method->order));
   return run->loop.seconds * fmax(steps, 1) * (s->accuracies > 0 ? compared : alone);
+}
+
+/* So little that it is tried at any speed of the machine: what a small scene is told does not depend on how busy that
+ * is. */
+static bool is_little(const hk_run *run, const hk_summary *s, const hk_remedy *r) {
+  return r->dt > 0 && s->end / r->dt * (double)run->state.model.n <= little_work;
 }
 
 static double affordable(const hk_run *whole, const hk_summary *s) {
@@ -226,7 +233,8 @@ void hk_remedy_try(const hk_scene_loader *loader, const hk_run_options *first, h
   double left = affordable(whole, s), begin = hk_clock();
   hk_remedy now = hk_remedy_propose(&whole->loop, &whole->judgement, s), next;
   double cost = expected(whole, s, &now);
-  for (int tries = 0; tries < MOST_TRIALS && is_known(&now) && cost < left - (hk_clock() - begin); tries++) {
+  for (int tries = 0; tries < MOST_TRIALS && is_known(&now); tries++) {
+    if (!(cost < left - (hk_clock() - begin) || (left > 0 && is_little(whole, s, &now)))) break;
     announce(whole, &now, cost);
     if (try_one(loader, first, &now, &next, &cost) != HK_OK) break;
     whole->judgement.comparisons.remedy = now;

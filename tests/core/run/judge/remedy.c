@@ -93,7 +93,7 @@ static void what_it_rests_on_is_said(void **state) {
                          "scene:force('gravity', {})\n"
                          "scene:constraint('bars', { edges = edges })\n"
                          "scene:corrector('obstacle', { friction = 0.3, restitution = 0.3 })\nreturn scene\n");
-  test_hooke(&r, NULL, "run bars.lua --json --quiet --no-output --accuracy 2e-6");
+  test_hooke(&r, NULL, "run bars.lua --json --quiet --no-output --accuracy 1e-7");
   assert_int_equal(r.code, 5);
   if (!strstr(r.out, "to the power 1, as impacts leave it (not tried)")) fail_msg("%s", r.out);
   run("--integrator euler --dt 1e-4 --accuracy 3e-5");
@@ -102,8 +102,8 @@ static void what_it_rests_on_is_said(void **state) {
   if (!strstr(r.out, "(not tried)")) fail_msg("%s", r.out);
 }
 
-/* A pulse of 30 ms whose edges steps of any length pass by: the order of the method says nothing, and a run with the
- * step that it asks for says so. */
+/* A pulse of 30 ms whose edges steps of any length pass by: the order of the method says nothing, and the step that it
+ * asks for is tried, be the machine ever so busy. A fast one goes on to a step with which the run is ok. */
 static void a_step_that_would_not_do_is_not_offered(void **state) {
   (void)state;
   test_write("late.lua", "local scene = hooke.scene { duration = 2, fps = 50 }\n"
@@ -115,8 +115,8 @@ static void a_step_that_would_not_do_is_not_offered(void **state) {
                          "  return { t > 1.6 and t < 1.63 and 200 or 0, 0, -9.81 } end })\nreturn scene\n");
   test_hooke(&r, NULL, "run late.lua --integrator leapfrog --dt 0.02 --accuracy 1e-3 --json --quiet --no-output");
   assert_int_equal(r.code, 5);
-  assert_non_null(strstr(r.out, "was tried, and is not enough"));
-  assert_null(strstr(r.out, "would do"));
+  if (!strstr(r.out, "was tried, and is not enough") && !strstr(r.out, "would do: a run with it is ok"))
+    fail_msg("%s", r.out);
 }
 
 /* The step that is offered as tried is one with which the run is ok. */
