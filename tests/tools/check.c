@@ -1,7 +1,7 @@
 /* hooke check: faults that are put into plugins that are right are found, in the sentence that names them
- * (check_faults.h). Every eighth of them: check_long.c tries all, tables that take longer, and the plugins of the
- * build. Without a fault a plugin is checked here whole where check_long.c has it not, and the others with the
- * properties that find the faults which are tried. */
+ * (check_faults.h). Every eighth of them: check_faults_long.c tries all, and tables that take longer; check_long.c
+ * checks the plugins of the build. Without a fault a plugin is checked here whole where check_faults_long.c has it not,
+ * and the others with the properties that find the faults which are tried. */
 #include "tests/tools/check_faults.h"
 
 static void right_and_wrong(const char *name, size_t least) { right_and_wrong_of(name, least, 8); }
