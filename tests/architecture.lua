@@ -222,6 +222,21 @@ local function lines_of(list, text)
   return lines
 end
 
+-- The names that an identifier has between its underscores, which is asked for once.
+local names_in = {} -- by names, by identifier
+local function names_of(identifier, names)
+  names_in[names] = names_in[names] or {}
+  local list = names_in[names][identifier]
+  if not list then
+    list = {}
+    for _, name in ipairs(names) do
+      if ("_" .. identifier .. "_"):find("_" .. name .. "_", 1, true) then list[#list + 1] = name end
+    end
+    names_in[names][identifier] = list
+  end
+  return list
+end
+
 -- Names of plugins in the text: as a word, or as a part of an identifier between underscores.
 local function named(path, text, names)
   local findings, code, comment = {}, source_graph.split(text)
@@ -229,17 +244,18 @@ local function named(path, text, names)
     local number = 0
     for line in (part .. "\n"):gmatch("(.-)\n") do
       number = number + 1
+      local lower, seen = line:lower(), {}
       local function say(what)
         findings[#findings + 1] = ("name: %s:%d: %s in its %s"):format(path, number, what,
           where == "code" and "code" or "comments")
       end
-      local lower = line:lower()
       if lower:find("spring", 1, true) then say("a spring") end
-      local words = "_" .. lower:gsub("[^%w_]", "_  _") .. "_"
-      for _, name in ipairs(names) do
-        if not ordinary_words[where][name] and not name:find("spring", 1, true)
-          and words:find("_" .. name .. "_", 1, true) then
-          say(("the plugin '%s'"):format(name))
+      for identifier in lower:gmatch("[%w_]+") do
+        for _, name in ipairs(names_of(identifier, names)) do
+          if not ordinary_words[where][name] and not name:find("spring", 1, true) and not seen[name] then
+            seen[name] = true
+            say(("the plugin '%s'"):format(name))
+          end
         end
       end
     end
@@ -284,10 +300,12 @@ end
 local function retired(path, text)
   local findings, seen = {}, {}
   local function check(name)
+    if seen[name] then return end
+    seen[name] = true
     for word in name:lower():gmatch("[^_%.]+") do
-      if retired_words[word] and not seen[name] then
-        seen[name] = true
+      if retired_words[word] then
         findings[#findings + 1] = ("word: %s: '%s' in %s is retired: %s"):format(path, word, name, retired_words[word])
+        return
       end
     end
   end
@@ -443,9 +461,13 @@ end
 
 -- The source of an object file; nil: the source is gone.
 local function source_in(h)
+  local known = {}
   return function(object)
-    local source = object:sub(#build + #"/obj/" + 1):gsub("o$", "c")
-    return h.exists[source] and source or nil
+    if known[object] == nil then
+      local source = object:sub(#build + #"/obj/" + 1):gsub("o$", "c")
+      known[object] = h.exists[source] and source or false
+    end
+    return known[object] or nil
   end
 end
 

@@ -49,7 +49,7 @@ local function runs(text)
   local file = assert(io.open(folder .. "/block.lua", "w"))
   file:write(text)
   file:close()
-  local fine = os.execute(("cd '%s' && '%s/hooke' run block.lua --until 0.005 --no-output --quiet >said 2>&1"):format(
+  local fine = os.execute(("cd '%s' && '%s/hooke' run block.lua --until 0.002 --no-output --quiet >said 2>&1"):format(
     folder, build))
   local said = read(folder .. "/said")
   return fine and not said:find("hooke:", 1, true), said

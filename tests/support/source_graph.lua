@@ -69,8 +69,9 @@ end
 
 -- ---- reading ----
 
--- The text's code, strings included, and its comments, each with the line breaks of the whole.
-function source_graph.split(text)
+local stops = { ['"'] = '["\\]', ["'"] = "['\\]" } -- a quote's end, or what hides one
+
+local function part(text)
   local code, comment, at = {}, {}, 1
   local function blank(s) return (s:gsub("[^\n]", " ")) end
   while at <= #text do
@@ -85,11 +86,9 @@ function source_graph.split(text)
     local before = text:sub(at, start - 1)
     local is_comment = piece and true or false
     if not piece and opening ~= "/" then
-      local stop = start + 1
-      while stop < #text and text:sub(stop, stop) ~= opening do
-        stop = stop + (text:sub(stop, stop) == "\\" and 2 or 1)
-      end
-      piece = text:sub(start, stop)
+      local stop = text:find(stops[opening], start + 1)
+      while stop and text:sub(stop, stop) == "\\" do stop = text:find(stops[opening], stop + 2) end
+      piece = text:sub(start, stop or #text)
     end
     piece = piece or opening
     code[#code + 1] = before .. (is_comment and blank(piece) or piece)
@@ -98,6 +97,14 @@ function source_graph.split(text)
   end
   code[#code + 1] = text:sub(at)
   return table.concat(code), table.concat(comment)
+end
+
+local parts = {} -- by text: several checks ask for the same
+
+-- The text's code, strings included, and its comments, each with the line breaks of the whole.
+function source_graph.split(text)
+  parts[text] = parts[text] or { part(text) }
+  return table.unpack(parts[text])
 end
 
 function source_graph.includes_of(path, text, exists)

@@ -24,13 +24,26 @@ static inline size_t long_step(void) { return strstr(HK_BUILD, "sanitize") ? 3 :
 /* ---- faults: tests/fixtures/wrong/NAME.c is a plugin that is right with -DBUG=NONE, and NAME.txt has a line for each
  * fault: its BUG, the property that finds it, and the sentence that names it ---- */
 
-static inline void compile_and_check(const char *name, const char *bug, const char *options) {
-  char before[1024], arguments[512];
-  snprintf(before, sizeof before,
-           "cc -O1 -w -shared -fPIC -DBUG=%s $(%s/hooke --cflags) %s/tests/fixtures/wrong/%s.c -o %s.so -lm && ", bug,
-           HK_BUILD, HK_ROOT, name, name);
-  snprintf(arguments, sizeof arguments, "check %s.so %s", name, options);
-  test_hooke(&r, before, arguments);
+/* Compiles the plugin with that fault, into a folder of its own: a plugin's file has the plugin's name. */
+static inline void compile_with(const char *name, const char *bug) {
+  char command[1024];
+  snprintf(command, sizeof command,
+           "mkdir -p %s && cc -O1 -w -shared -fPIC -DBUG=%s $(%s/hooke --cflags) %s/tests/fixtures/wrong/%s.c "
+           "-o %s/%s.so -lm && ",
+           bug, bug, HK_BUILD, HK_ROOT, name, bug, name);
+  test_hooke(&r, command, "--version");
+  if (r.code != 0) fail_msg("%s with %s is not compiled: %s%s", name, bug, r.out, r.err);
+}
+
+static inline void check_with(const char *name, const char *bug, const char *options) {
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "check %s/%s.so %s", bug, name, options);
+  test_hooke(&r, NULL, arguments);
+}
+
+static inline void passes_without_fault(const char *name, const char *options) {
+  check_with(name, "NONE", options);
+  if (r.code != 0) fail_msg("%s without a fault, %s: exit %d: %s%s", name, options, r.code, r.out, r.err);
 }
 
 /* Whether a line that starts with WRONG has the sentence in it. */
@@ -43,12 +56,12 @@ static inline bool says(const char *out, const char *sentence) {
 }
 
 /* Tries every so many of the faults, of which there are `least` or more. `tried`: options with which the plugin without
- * a fault is checked, "" for all of it. */
+ * a fault is checked, "" for all of it; NULL: with the properties that find the faults which are tried. */
 static inline void right_with_and_wrong(const char *name, const char *tried, size_t least, size_t every) {
   char path[512], line[512], options[256];
   size_t count = 0;
-  compile_and_check(name, "NONE", tried);
-  if (r.code != 0) fail_msg("%s without a fault: exit %d: %s%s", name, r.code, r.out, r.err);
+  compile_with(name, "NONE");
+  if (tried) passes_without_fault(name, tried);
   snprintf(path, sizeof path, "%s/tests/fixtures/wrong/%s.txt", HK_ROOT, name);
   FILE *table = fopen(path, "r");
   assert_non_null(table);
@@ -60,7 +73,9 @@ static inline void right_with_and_wrong(const char *name, const char *tried, siz
     property[strcspn(property, "|") - 1] = 0;
     if (count++ % every != 0) continue;
     snprintf(options, sizeof options, "--seconds 12 --only '%s'", property);
-    compile_and_check(name, bug, options);
+    if (!tried) passes_without_fault(name, options);
+    compile_with(name, bug);
+    check_with(name, bug, options);
     if (r.code != 1 || !says(r.out, sentence))
       fail_msg("%s, %s: exit %d, not '%s': %s%s", name, bug, r.code, sentence, r.out, r.err);
   }

@@ -228,11 +228,11 @@ static void retry_does_again_what_crashed_or_ran_out_of_time(void **state) {
 /* What is in the database when the process is killed is there afterwards, and is not done again. */
 static void a_sweep_survives_kill_9(void **state) {
   (void)state;
-  enum { CASES = 150, JOBS = 2, KILLS = 4 };
+  enum { CASES = 110, JOBS = 2, KILLS = 4 };
   int killed = 0;
   write_scene();
   for (; killed < KILLS; killed++) {
-    /* Killed when some ten to thirty further cases have begun; whoever ends before that is not killed. */
+    /* Killed when some six to twenty further cases have begun; whoever ends before that is not killed. */
     char all[1024];
     snprintf(
         all, sizeof all,
@@ -240,14 +240,14 @@ static void a_sweep_survives_kill_9(void **state) {
         "want=$(($(cat runs.log 2>/dev/null | wc -l) + %d)); "
         "while kill -0 $pid 2>/dev/null && [ $(cat runs.log 2>/dev/null | wc -l) -lt $want ]; do sleep 0.01; done; "
         "kill -9 $pid 2>/dev/null; wait $pid; [ $? = 137 ]",
-        HK_BUILD, CASES, JOBS, 10 + 7 * killed);
+        HK_BUILD, CASES, JOBS, 6 + 4 * killed);
     shell(all);
     snprintf(all, sizeof all, "s.lua --trust k=1..2:linear:%d --quiet --db k.db --report --csv %d.csv", CASES, killed);
     sweep(all, 0);
     snprintf(all, sizeof all, "%d.csv", killed);
     assert_true(lines(all) > 1 && lines(all) <= CASES); /* a header and some cases, not all */
   }
-  sweep("s.lua --trust k=1..2:linear:150 -j 2 --quiet --db k.db --resume --csv all.csv", 0);
+  sweep("s.lua --trust k=1..2:linear:110 -j 2 --quiet --db k.db --resume --csv all.csv", 0);
   assert_int_equal(lines("all.csv"), 1 + CASES);
   /* Rows from before each kill are there unchanged, down to the seconds that they took. */
   for (int k = 0; k < KILLS; k++) {
@@ -258,8 +258,8 @@ static void a_sweep_survives_kill_9(void **state) {
   /* Only what was under way at a kill ran twice. */
   assert_true(lines("runs.log") <= CASES + KILLS * JOBS);
   shell("cp runs.log before.log");
-  sweep("s.lua --trust k=1..2:linear:150 --quiet --db k.db --resume", 0);
-  sweep("s.lua --trust k=1..2:linear:150 --quiet --db k.db", 0); /* all of it is done: nothing to ask */
+  sweep("s.lua --trust k=1..2:linear:110 --quiet --db k.db --resume", 0);
+  sweep("s.lua --trust k=1..2:linear:110 --quiet --db k.db", 0); /* all of it is done: nothing to ask */
   shell("cmp runs.log before.log");
 }
 

@@ -45,7 +45,7 @@ local function make_outside()
 end
 
 local function state_of_outside()
-  return (shell(("cd %s && find outside -printf '%%p %%y\\n' | sort && find outside -type f | sort | xargs cksum"):format(place)))
+  return (shell(("cd %s && find outside -printf '%%p %%y\\n' -type f -exec cksum {} + | sort"):format(place)))
 end
 
 local untouched -- the state of what make_outside makes

@@ -34,7 +34,7 @@ static size_t make_edges(uint32_t (*edge)[2]) {
 
 static size_t make_triples(uint32_t (*triple)[3]) {
   size_t count = 0;
-  for (size_t i = 0; i + 4 < N; i += 9) {
+  for (size_t i = 0; i + 4 < N; i += 27) {
     size_t third = i % 60 ? i + 2 : below(N), second = i % 120 ? i + 1 : below(N);
     if (third == i || second == i || third == second) continue;
     triple[count][0] = (uint32_t)i + 1, triple[count][1] = (uint32_t)second + 1,

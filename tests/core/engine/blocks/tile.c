@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 /* A particle is joined to one of the next NEAR. */
-enum { N = 30000, NEAR = 900, STEPS = 77 }; /* two tiles and a part of one */
+enum { N = 20000, NEAR = 900, STEPS = 77 }; /* two tiles and a part of one */
 static const double h = 1e-4;
 
 static uint64_t seed;

@@ -94,12 +94,26 @@ static double gap_at(const hk_feature_pair *pair, const hk_pair_path *path, doub
   return sqrt(hk_nearest_of_pair(pair->kind, x).squared) - pair->offset;
 }
 
+/* How far the vertex goes that goes farthest: a gap falls by twice that at most, as both its ends stay weighted means
+ * of the vertices. */
+static double farthest(const hk_pair_path *path) {
+  double most = 0;
+  for (int v = 0; v < 12; v += 3) {
+    double d[3];
+    for (int k = 0; k < 3; k++) d[k] = path->to[v + k] - path->from[v + k];
+    most = fmax(most, d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  }
+  return sqrt(most);
+}
+
 static bool has_to(const world *w, const hk_feature_pair *pair) {
   hk_pair_path path;
-  double least = INFINITY;
   hk_pair_path_of(&path, pair, w->x, w->to);
-  for (int k = 0; k <= 16; k++) least = fmin(least, gap_at(pair, &path, k / 16.0));
-  return least < 0 || gap_at(pair, &path, 0) < fmin(skin, hk_pair_motion(pair->kind, &path));
+  double begin = gap_at(pair, &path, 0), most = 2 * farthest(&path) * (1 + 1e-9); /* beyond rounding of the squares */
+  if (begin < fmin(skin, hk_pair_motion(pair->kind, &path))) return true;
+  for (int k = 0; k <= 16 && begin <= most; k++)
+    if (gap_at(pair, &path, k / 16.0) < 0) return true;
+  return false;
 }
 
 static bool may_meet(const world *w, const hk_feature_pair *pair, double *gap) {
