@@ -9,6 +9,7 @@ const hk_field hk_splitting_fields[] = {
     {"primed", .integer = HK_AT(hk_splitting, primed)},
     {"slope", .state = HK_AT(hk_splitting, slope), .width = 1},
     {"seen", .state = HK_AT(hk_splitting, seen), .width = 1, .flags = HK_SCRATCH},
+    {"low", .per_particle = HK_AT(hk_splitting, low), .width = 3},
     {0},
 };
 
@@ -114,10 +115,11 @@ static hk_status constrained_step(hk_splitting *m, const hk_splitting_method *f,
                                   double h) {
   double *from = s->X, *to = s->spare, t = s->t;
   s->constraint->takes_constraints = false;
+  if (!m->primed) memset(m->low, 0, 3 * s->n * sizeof *m->low);
   hk_status status = prime(m, s);
   for (int i = 0; i < f->parts && status == HK_OK; i++) {
     double part = f->part[i] * h, next = i + 1 < f->parts ? t + part : fmin(t_stop, s->t + h);
-    status = hk_rattle_step(s, t, from, next, part, to, m->slope, m->slope + 3 * s->n);
+    status = hk_rattle_step_whole(s, t, from, next, part, to, m->slope, m->slope + 3 * s->n, m->low);
     t = next, from = to, to = from == s->spare ? m->seen : s->spare;
   }
   if (status != HK_OK) return status;

@@ -42,6 +42,7 @@ typedef struct hk_splitting {
   int64_t primed; /* whether `slope` is that of X */
   double *slope;  /* (a, dy) of the last kick */
   double *seen;   /* shaped as X: predicted v and y for the next evaluation; with constraints, every second state */
+  double *low;    /* n x 3, m: with constraints, what rounding has taken of the positions (rattle.h) */
 } hk_splitting;
 
 extern const hk_field hk_splitting_fields[]; /* of instances that are hk_splitting */

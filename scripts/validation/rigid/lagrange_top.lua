@@ -22,10 +22,20 @@ local function attitude()
   return bodies.attitude(I, { math.cos(angle / 2), 0, math.sin(angle / 2), 0 }, { 0, 0, spin }, t, { 0, 0, l }, { 0, 0, -m * g })
 end
 
-local quantities = { { name = "nutation period", unit = "s", reference = nutation,
-  source = "quadrature (Goldstein, Classical Mechanics, 5.7)" } }
+-- The axis goes round at a (u2 - u)/(1 - u^2), which is 0 at the cusps.
+local function precession()
+  return 2 * numerics.integrate(function(s)
+    local u = (u1 + u2) / 2 - (u2 - u1) / 2 * math.cos(s)
+    return a * (u2 - u) / ((1 - u * u) * math.sqrt(beta * (u3 - u)))
+  end, 0, math.pi)
+end
+
+local quantities = {
+  { name = "nutation period", unit = "s", reference = nutation, source = "quadrature (Goldstein, Classical Mechanics, 5.7)" },
+  { name = "precession per nutation", unit = "rad", reference = precession, source = "the same" },
+}
 for k = 1, 3 do
-  quantities[k + 1] = { name = "axis, " .. ("xyz"):sub(k, k), reference = function() return attitude()[k][3] end, scale = 1,
+  quantities[k + 2] = { name = "axis, " .. ("xyz"):sub(k, k), reference = function() return attitude()[k][3] end, scale = 1,
     source = "Euler's equations, extrapolated to 1e-13" }
 end
 
@@ -45,14 +55,21 @@ return validation.problem {
       spin = { spin * up[1], 0, spin * up[3] } }
     scene:joint { kind = "ball", a = body, at = { 0, 0, 0 } }
     scene:force("gravity", { g = { 0, 0, -g } })
-    local rises, last = validation.crossings(1), nil
+    local rises, last, round = validation.crossings(1), nil, {}
+    local t0, turned, rate = 0, 0, 0
     local middle = (u1 + u2) / 2
     validation.each(scene, at.h, steps, function(s, now)
       local R, w = bodies.rows(body, s), body:spin(s)
       last = { R[1][3], R[2][3], R[3][3] }
-      rises(now, last[3] - middle, w[1] * last[2] - w[2] * last[1])
+      local flat = last[1] ^ 2 + last[2] ^ 2
+      local to = turned + (math.atan(last[2], last[1]) - turned + math.pi) % (2 * math.pi) - math.pi
+      local going = w[3] - last[3] * (w[1] * last[1] + w[2] * last[2]) / flat
+      if rises(now, last[3] - middle, w[1] * last[2] - w[2] * last[1]) > #round then
+        round[#round + 1] = validation.cubic(rises.times[#rises.times], t0, turned, rate, now, to, going)
+      end
+      t0, turned, rate = now, to, going
     end)
-    local times = rises.times
-    return { (times[#times] - times[1]) / (#times - 1), last[1], last[2], last[3] }
+    local times, n = rises.times, #round - 1
+    return { (times[n + 1] - times[1]) / n, (round[n + 1] - round[1]) / n, last[1], last[2], last[3] }
   end,
 }
