@@ -2,10 +2,13 @@
  *     m dh/dt = power + area (convection (T0 - T) + emissivity sigma (T0^4 - T^4)),
  * a source, Newton's law of cooling at a surface, and grey radiation to surroundings that are large (Incropera and
  * DeWitt 2002, Fundamentals of heat and mass transfer, sections 1.2.2 and 1.2.3), with T by the enthalpy
- * (plugins/common/heat/heat_law.h). It is no force: it adds nothing to F. */
+ * (plugins/common/heat/heat_law.h). With `reach` it is what a hot or cold thing gives to what touches it: to particles
+ * no farther than that from the shape, which is an obstacle of the scene, a part of one, or a place, and may move.
+ * It is no force: it adds nothing to F. */
 #include "plugins/common/channels/no_force.h"
 #include "plugins/common/heat/heat_channel.h"
 #include "plugins/common/heat/heat_law.h"
+#include "plugins/common/obstacles/obstacle_params.h"
 
 static const double stefan = 5.670374419e-8; /* W/(m^2 K^4), CODATA 2018 */
 static const double part = 0.1;              /* of the difference to the surroundings, that a step may take */
@@ -16,6 +19,10 @@ typedef struct heating {
   hk_tuples particles;
   hk_per_tuple area;
   double power, convection, emissivity, surroundings;
+  double reach; /* m; NAN: it has no shape */
+  hk_obstacle_params params;
+  hk_obstacle obstacle;
+  hk_surface surface;
 } heating;
 
 static const hk_param params[] = {
@@ -29,6 +36,9 @@ static const hk_param params[] = {
      .limits = HK_WITHIN(0, 1)},
     {"surroundings", "K", "their temperature", .number = HK_AT(heating, surroundings), .initial = {293.15},
      .limits = HK_AT_LEAST(0), .flags = HK_TIMED},
+    {"reach", "m", "heat goes to particles alone that are no farther from the `shape`, or inside; left out: to all",
+     .number = HK_AT(heating, reach), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    HK_OBSTACLE_SHAPE_ROWS(heating),
     HK_HEAT_CAPACITIES(heating, law),
     HK_HEAT_CHANNELS(heating, heat),
     {0},
@@ -53,19 +63,34 @@ static size_t particle(const heating *s, const hk_view *view, size_t k) {
   return view->is_active && !view->is_active[i] ? view->n : i;
 }
 
+static hk_body_frame frame_at(const heating *s, double t) {
+  hk_pose poses[HK_POSES], now = hk_obstacle_pose(&s->params, t);
+  hk_motion motion;
+  hk_motion_begin(poses, &now);
+  hk_motion_of(&motion, poses);
+  return motion.end;
+}
+
+static bool is_near(const heating *s, const hk_body_frame *frame, const hk_view *view, size_t i) {
+  double n[3];
+  return isnan(s->reach) || hk_obstacle_gap(&s->obstacle, frame, view->x + 3 * i, i, n) <= s->reach;
+}
+
 static hk_status rates(void *self, const hk_view *view, double *dy) {
   const heating *s = self;
   const double *h = hk_enthalpy(&s->heat, view);
+  hk_body_frame frame = frame_at(s, view->t);
   for (size_t k = 0; k < count_of(s, view); k++) {
     size_t i = particle(s, view, k);
-    if (i == view->n || !(view->model->mass[i] > 0)) continue;
+    if (i == view->n || !(view->model->mass[i] > 0) || !is_near(s, &frame, view, i)) continue;
     double q = s->power + hk_tuple_value(&s->area, k) * flux(s, hk_heat_temperature(&s->law, h[i]));
     hk_heat_give(&s->heat, view, i, q / view->model->mass[i], dy);
   }
   return HK_OK;
 }
 
-/* By the hottest of both sides; so short that what conduction demands beside it needs no more care. */
+/* Of all particles, as any may come near. By the hottest of both sides; so short that what conduction demands beside it
+ * needs no more care. */
 static double longest_step(void *self, const hk_view *view) {
   const heating *s = self;
   const double *h = hk_enthalpy(&s->heat, view);
@@ -83,6 +108,10 @@ static double longest_step(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   heating *s = self;
   hk_status status = hk_heat_law_check(&s->law, host);
+  if (status == HK_OK && isnan(s->reach) && s->params.shape != HK_SHAPE_PLANE)
+    return host->fail(host, HK_BAD_PARAM,
+                      "reach: a shape heats what is near: give `reach`, the distance from it in metres");
+  if (status == HK_OK && !isnan(s->reach)) status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
   return status == HK_OK ? hk_heat_channel_find(&s->heat, host, view->model) : status;
 }
 

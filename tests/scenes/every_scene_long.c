@@ -32,6 +32,7 @@ static const char *options_of(const char *scene) {
       {"candle", "cell=0.008"},
       {"cantilever", "n=10"},
       {"card_house", "N=3 --dt 8e-5"},
+      {"chocolate", "cell=0.01 duration=0.3"},
       {"cloth", "N=12"},
       {"cloth_on_heart", "N=9 size=0.08"},
       {"cloth_on_sphere", "N=21"},

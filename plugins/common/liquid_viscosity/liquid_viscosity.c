@@ -71,8 +71,10 @@ static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t r
 }
 
 /* Of a row: its equation of 15 numbers, as it is, by its upper half for products, and of that the incomplete factors;
- * right-hand side, solution and vectors of the iteration. Three numbers of rows in a cell. */
-static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8, bytes_of_cell = 3 * 4 + 8;
+ * right-hand side, solution and vectors of the iteration; of pieces' motions, and a part of their matrix and its
+ * factors. Three numbers of rows in a cell. */
+static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8 + 8 * 7 + 8 * 8,
+                    bytes_of_cell = 3 * 4 + 8;
 
 double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
   double cells = (double)g->cells[0] * (double)g->cells[1] * (double)g->cells[2];
@@ -208,10 +210,21 @@ static void add_to_bodies(const hk_liquid *l, hk_liquid_viscosity *v, double fac
 
 static double precondition(void *context, const double *r, double *z) {
   hk_liquid_viscosity *v = context;
-  return hk_incomplete_apply(&v->factors, v->gradients.host, r, z);
+  double fine = hk_incomplete_apply(&v->factors, v->gradients.host, r, z);
+  return v->coarse.pieces ? fine + hk_viscous_coarse_add(&v->coarse, r, z) : fine;
 }
 
-static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_matrix *A) {
+/* Whether viscosity reaches across a piece within the step: h mu/rho above its side squared somewhere. Below that
+ * incomplete factors need fewer iterations than a piece has cells. */
+static bool wants_pieces(const hk_liquid_viscosity *v, const hk_liquid_grid *g, double factor) {
+  double side = HK_VISCOUS_PIECE * fmin(g->spacing[0], fmin(g->spacing[1], g->spacing[2])), most = v->viscosity;
+  for (size_t i = 0; v->cell && i < g->size; i++) most = fmax(most, v->cell[i]);
+  return factor * most > side * side;
+}
+
+/* factor: h/density, s m^3/kg. */
+static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_liquid_grid *grid, double factor,
+                       const hk_matrix *A) {
   hk_gradients_system system = {precondition, v, v->tolerance, 0};
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);
@@ -224,6 +237,12 @@ static hk_status solve(hk_liquid_viscosity *v, const hk_host *host, const hk_mat
     return host->fail(host, HK_NOT_CONVERGED,
                       "the viscosity's equations of %zu faces are not finite: take shorter steps", A->rows);
   v->gradients.ready = true;
+  const hk_viscous_faces faces = {grid, v->face, v->axis, v->faces, v->cell};
+  if (wants_pieces(v, grid, factor))
+    status = hk_viscous_coarse_build(&v->coarse, host, &faces, A);
+  else
+    hk_viscous_coarse_close(&v->coarse);
+  if (status != HK_OK) return status;
   return hk_gradients_solve(&v->gradients, host, &system, v->b, v->x, NULL);
 }
 
@@ -260,7 +279,7 @@ hk_status hk_liquid_shear(hk_liquid *l, hk_liquid_viscosity *v, double h) {
   host->parallel_for(host, v->faces, GRAIN, fill_rows, &t);
   hk_matrix A = close_up(v);
   memset(v->x, 0, rows * sizeof *v->x);
-  status = solve(v, host, &A);
+  status = solve(v, host, g, t.factor, &A);
   if (status != HK_OK) return status;
   for (size_t r = 0; r < v->faces; r++) g->u[v->axis[r]][v->face[r]] += v->x[r];
   hk_viscous_bodies_end(&v->bodies, l, v->x);
@@ -340,6 +359,7 @@ void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
                  v->column, v->value,  v->b,      v->x,    v->cell, v->power};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_viscous_bodies_close(&v->bodies, host);
+  hk_viscous_coarse_close(&v->coarse);
   hk_incomplete_free(&v->factors, host);
   hk_gradients_free(&v->gradients, host);
   memset(v, 0, sizeof *v);

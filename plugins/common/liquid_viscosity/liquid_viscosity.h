@@ -12,6 +12,7 @@
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/liquid/liquid.h"
 #include "plugins/common/liquid_viscosity/viscous_bodies.h"
+#include "plugins/common/liquid_viscosity/viscous_coarse.h"
 
 enum {
   HK_VISCOUS_ROW = 15,                                        /* faces that share a strain with one, and itself */
@@ -36,6 +37,7 @@ typedef struct hk_liquid_viscosity {
   double *b, *x; /* rows: what the strains of u* ask for; the change of the velocity, m/s and rad/s */
   hk_gradients gradients;
   hk_incomplete factors;
+  hk_viscous_coarse coarse;
 } hk_liquid_viscosity;
 
 /* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. */

@@ -15,9 +15,10 @@ typedef struct hk_obstacle_params {
   size_t channel; /* position of the channel, or the number of channels */
 } hk_obstacle_params;
 
-/* Rows of a parameter table, for a plugin whose instance has the member `params` of this type. */
+/* Rows of a parameter table, for a plugin whose instance has the member `params` of this type: the shape and its pose
+ * alone, and these with what a contact has beside. */
 /* clang-format off */
-#define HK_OBSTACLE_PARAM_ROWS(instance)                                                                               \
+#define HK_OBSTACLE_SHAPE_ROWS(instance)                                                                               \
   {"shape", "", "of the obstacle", .choice = HK_AT(instance, params.shape), .choices = HK_SHAPE_NAMES},                \
   {"position", "m", "of its centre; of a point of the plane", .vector = HK_AT(instance, params.position),              \
      .flags = HK_TIMED},                                                                                               \
@@ -29,18 +30,20 @@ typedef struct hk_obstacle_params {
      "extents along its own x, y, z: a sphere's diameter three times; of a cylinder and a capsule, whose "             \
      "axis is z, the diameter twice and the length", .vector = HK_AT(instance, params.size),                           \
      .initial = {1, 1, 1}, .limits = HK_WITHIN(0, 1e9)},                                                               \
-  {"hollow", "", "keeps particles inside", .boolean = HK_AT(instance, params.hollow)},                                 \
-  {"friction", "", "Coulomb's coefficient mu", .number = HK_AT(instance, params.friction),                             \
-     .limits = HK_WITHIN(0, 1e9)},                                                                                     \
-  {"radius", "m", "of the particles", .number = HK_AT(instance, params.radius), .limits = HK_WITHIN(0, 1e9)},          \
-  {"radius_channel", "", "a channel with the radius of each particle, m, instead of `radius`",                         \
-     .string = HK_AT(instance, params.radius_channel)},                                                                \
   {"vertices", "m", "of a mesh: x1, y1, z1, x2, ...", .numbers = HK_AT(instance, params.vertices),                     \
      .flags = HK_OPTIONAL},                                                                                            \
   {"faces", "", "of a mesh: three vertices a triangle, from 1; closed, all outward or all inward",                     \
      .numbers = HK_AT(instance, params.faces), .flags = HK_OPTIONAL},                                                  \
   {"file", "", "where the mesh comes from, for messages", .string = HK_AT(instance, params.file),                      \
      .text = "the mesh"}
+#define HK_OBSTACLE_PARAM_ROWS(instance)                                                                               \
+  HK_OBSTACLE_SHAPE_ROWS(instance),                                                                                    \
+  {"hollow", "", "keeps particles inside", .boolean = HK_AT(instance, params.hollow)},                                 \
+  {"friction", "", "Coulomb's coefficient mu", .number = HK_AT(instance, params.friction),                             \
+     .limits = HK_WITHIN(0, 1e9)},                                                                                     \
+  {"radius", "m", "of the particles", .number = HK_AT(instance, params.radius), .limits = HK_WITHIN(0, 1e9)},          \
+  {"radius_channel", "", "a channel with the radius of each particle, m, instead of `radius`",                         \
+     .string = HK_AT(instance, params.radius_channel)}
 /* clang-format on */
 
 /* Checks them and fills the obstacle, but for its motion and its law; the surface is filled where it is a mesh.

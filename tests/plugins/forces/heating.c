@@ -101,11 +101,49 @@ static void each_particle_has_its_own_area(void **state) {
   test_engine_close(&e);
 }
 
+/* A hot ball of 0.2 m that moves by 1 m/s along x: of three particles it passes one within its reach, which cools as
+ * Newton says for as long as it is there, (0.1 + 0.05)/1 s on either side; one is beside its way, one ahead of it. */
+static hk_status ball_at(const hk_function *f, const void *caller, const double *t, size_t count, double *out,
+                         size_t room, size_t *got, hk_error *error) {
+  (void)f, (void)caller, (void)count, (void)room, (void)error;
+  out[0] = *t - 0.5;
+  out[1] = out[2] = 0;
+  *got = 3;
+  return HK_OK;
+}
+
+static void a_moving_ball_heats_what_it_passes(void **state) {
+  (void)state;
+  test_engine e;
+  hk_plugin_spec *spec = body(&e, 300);
+  test_particle(&e, 0, 0.16, 0, mass);
+  test_particle(&e, 2, 0, 0, mass);
+  test_text(&e, spec, "shape", "sphere");
+  test_vector(&e, spec, "size", 0.2, 0.2, 0.2);
+  test_function(&e, spec, "position", (hk_function){.call = ball_at});
+  test_number(&e, spec, "reach", 0.05);
+  test_number(&e, spec, "convection", 40);
+  test_number(&e, spec, "area", area);
+  test_number(&e, spec, "surroundings", 900);
+  e.options.dt = 1e-3;
+  e.scene->fps = 1;
+  test_run(&e);
+  test_advance(&e, 1);
+  const double *y = hk_run_view(e.run)->y;
+  double wanted = 900 - 600 * exp(-0.3 * area * 40 / (mass * capacity));
+  printf("a ball that passes: %.8g K, exactly %.8g K\n", y[0] / capacity, wanted);
+  assert_true(y[1] == capacity * 300 && y[2] == capacity * 300);
+  assert_true(fabs(y[0] / capacity - wanted) < 1e-2 * (wanted - 300)); /* it comes and goes within a step of 1e-3 s */
+  test_engine_close(&e);
+}
+
 static void refuses(const char *name, double value, const char *sentence) {
   test_engine e;
   hk_plugin_spec *spec = body(&e, 300);
   if (strcmp(name, "account") == 0)
     test_text(&e, spec, "account", "enthalpy");
+  else if (strcmp(name, "shape") == 0)
+    test_text(&e, spec, "shape", "sphere");
   else
     test_number(&e, spec, name, value);
   assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
@@ -116,13 +154,17 @@ static void refuses(const char *name, double value, const char *sentence) {
 static void what_cannot_be_is_refused(void **state) {
   (void)state;
   refuses("solidus", 300, "latent: what melts takes heat for it: give `latent` in J/kg");
+  refuses("shape", 0, "reach: a shape heats what is near: give `reach`, the distance from it in metres");
   refuses("account", 0, "account: 'enthalpy' is the channel of the enthalpy itself");
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_body_cools_as_newton_says), cmocka_unit_test(a_body_radiates_as_stefan_and_boltzmann_say),
-      cmocka_unit_test(a_source_melts_in_its_time),  cmocka_unit_test(each_particle_has_its_own_area),
+      cmocka_unit_test(a_body_cools_as_newton_says),
+      cmocka_unit_test(a_body_radiates_as_stefan_and_boltzmann_say),
+      cmocka_unit_test(a_source_melts_in_its_time),
+      cmocka_unit_test(each_particle_has_its_own_area),
+      cmocka_unit_test(a_moving_ball_heats_what_it_passes),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
