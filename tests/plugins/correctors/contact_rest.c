@@ -13,9 +13,13 @@
 #ifndef UNTIL
 #define UNTIL 0.6
 #endif
+#ifndef TALL /* sheets, and for how long */
+#define TALL 8
+#define TALL_UNTIL 0.5
+#endif
 
 enum { SIDE = 5, N = SIDE * SIDE };
-static const double width = 0.5, thickness = 8e-3, until = UNTIL; /* m, m, s */
+static const double width = 0.5, thickness = 8e-3; /* m */
 
 /* Sheet k of 0.2 kg/m^2, turned against the one below. */
 static void add_sheet(test_engine *e, int k) {
@@ -78,7 +82,7 @@ static double fastest(const hk_view *view) {
 
 /* m/s: a sweep's tolerance at rest is 1e-12 of a length of 1 mm, 5e-13 m/s in a step of 2 ms; layers and what 100
  * sweeps do not end turn it into some times 1e-11. With the tolerance of what moves it would be 1.6e-4. */
-static void assert_rest(int sheets, double bound) {
+static void assert_rest(int sheets, double until, double bound) {
   test_engine e;
   hk_summary s;
   open_stack(&e, sheets);
@@ -93,11 +97,19 @@ static void assert_rest(int sheets, double bound) {
 
 static void sheets_on_a_floor_come_to_rest(void **state) {
   (void)state;
-  assert_rest(1, 1e-10);
-  assert_rest(3, 1e-10);
+  assert_rest(1, UNTIL, 1e-10);
+  assert_rest(3, UNTIL, 1e-10);
+}
+
+/* Sheets on sheets fall together in a step before its impulses: whether their gaps close in it is an error of the last
+ * step, by which no contact may be told from an impact. Eight kept 3e-9 m/s where it was. */
+static void a_tall_stack_comes_to_rest(void **state) {
+  (void)state;
+  assert_rest(TALL, TALL_UNTIL, 1e-10);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(sheets_on_a_floor_come_to_rest)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(sheets_on_a_floor_come_to_rest),
+                                     cmocka_unit_test(a_tall_stack_comes_to_rest)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

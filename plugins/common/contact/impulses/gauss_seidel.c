@@ -117,6 +117,7 @@ void hk_gauss_seidel_calm(hk_contact_solver *s, double h, double least) {
   for (size_t e = 0; e < s->count; e++) motion = fmax(motion, s->impact[e].motion);
   s->tolerance = fmin(usual, fmax(least, part * h * motion));
   s->calm = usual > 0 ? 1 - s->tolerance / usual : 0;
+  s->near = usual;
 }
 
 hk_gauss_seidel_result hk_gauss_seidel(hk_contact_solver *s, hk_step_move *m) {

@@ -17,6 +17,7 @@ typedef struct hk_contact_solver {
   double friction;
   double tolerance;  /* m: a solution that changes its own distance by no more does not count as a move */
   double calm;       /* 0: with this tolerance; to 1: with a lower one, by this part (hk_gauss_seidel_calm) */
+  double near;       /* m, with `calm`: the tolerance before; gaps that are no larger are contact that lasts */
   size_t most;       /* sweeps */
   uint64_t *moved;   /* n: the last solution that moved a particle; kept by the caller, 0 at first */
   uint64_t *touched; /* n: the same, tolerance 0 */

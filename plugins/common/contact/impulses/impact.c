@@ -47,3 +47,15 @@ void hk_impact_set(hk_impact *k, const hk_step_move *m, double restitution, bool
   for (int c = 0; c < 3; c++) k->place.origin[c] = from[c] + s * (to[c] - from[c]);
   k->place.target = offset - hk_dot(n, k->place.origin) + gap;
 }
+
+bool hk_impact_last(hk_impact *k, const hk_step_move *m, double near) {
+  const double *n = k->frame.n;
+  double from[3], to[3], offset = k->pair.offset;
+  weigh(from, k, m->x_from);
+  weigh(to, k, m->x);
+  bool closes = -k->speed_then * m->h > near;
+  if (closes || hk_dot(n, from) - offset > near || hk_dot(n, to) - offset > near) return false;
+  k->place.target += hk_dot(n, k->place.origin) - hk_dot(n, from);
+  hk_copy(k->place.origin, from);
+  return true;
+}

@@ -48,4 +48,10 @@ typedef struct hk_impact {
  * and of its maxima only the zeros hold. */
 void hk_impact_set(hk_impact *, const hk_step_move *, double restitution, bool again);
 
+/* Whether it is contact that lasts: from the start of the step to its end the gap is no larger than `near` m, and
+ * closes by no more. Then friction takes the sliding of the whole step, where it takes that since the impact else:
+ * among bodies that fall together in the step before its impulses, whether and when such a gap closes is an error of
+ * the last step. */
+bool hk_impact_last(hk_impact *, const hk_step_move *, double near);
+
 #endif

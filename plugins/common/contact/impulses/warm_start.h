@@ -22,7 +22,7 @@ typedef struct hk_warm_pair {
 
 /* Gives the solver's impacts, whose levels are set, the impulses of the pairs that are known. bodies: impacts whose
  * mobility is not known as yet may be of bodies, and are given theirs as well. */
-void hk_warm_start_give(const hk_array *known, const hk_contact_solver *, double h, bool bodies);
+void hk_warm_start_give(const hk_array *known, const hk_contact_solver *, const hk_step_move *, bool bodies);
 /* After a solution: forgets what was known and keeps the impulses of the impacts that push. HK_NO_MEMORY. */
 hk_status hk_warm_start_keep(hk_array *known, const hk_host *, const hk_contact_solver *, double h);
 

@@ -53,7 +53,7 @@ static hk_gauss_seidel_result solve(column *c, double h, bool other, hk_array *k
     hk_impact_set(k, &move, 0, false);
     k->mobility = c->inverse_mass[a] + c->inverse_mass[b]; /* both ends of an edge are one particle */
   }
-  if (known) hk_warm_start_give(known, &s, h, false);
+  if (known) hk_warm_start_give(known, &s, &move, false);
   return hk_gauss_seidel(&s, &move);
 }
 
@@ -87,7 +87,7 @@ static void a_column_at_rest_is_known(void **state) {
   /* What is given, by itself. */
   solve(&c, 1e-3, true, NULL);
   for (int e = 0; e < PAIRS; e++) memset(&c.impact[e].place, 0, sizeof c.impact[e].place);
-  hk_warm_start_give(&known, &solved, 2e-3, false);
+  hk_warm_start_give(&known, &solved, &(hk_step_move){.h = 2e-3}, false);
   assert_true(fabs(c.impact[0].place.push / (0.9 * 4e-6 * gravity * mass) - 1) < 1e-3);
   assert_true(fabs(c.impact[0].place.slide[0] + 4 * 0.9 * slide) < 1e-9 * fabs(slide)); /* on the lower one */
   free(known.item);
