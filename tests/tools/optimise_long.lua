@@ -98,4 +98,14 @@ assert(runs.read("stopped/1-push.txt") == runs.read("out/optimise/cart_pole/1-pu
 local evaluations = io.open(runs.folder .. "/stopped/evaluations.json")
 assert(not evaluations)
 
+-- ---- the other good optimum of the cart and its pole, near whose values the search begins ----
+
+runs.write("other.lua", (runs.read("cart_pole.lua"):gsub("knots = 81, duration = 2", [[knots = 41, duration = 2, start = start]])
+  :gsub("^", [[
+local coarse, start = { 1.9, 6.6, 9, 7.5, 3.5, 0.1, -2.6, -6.3, -12.1, -12.9, -3.9, 1.6, 3, 2.7, 1.9, 1.3, 0.8, 0.4, -0.1, -0.8, -1.9 }, {}
+for k = 0, 40 do start[k + 1] = (coarse[k // 2 + 1] + coarse[(k + 1) // 2 + 1]) / 2 end
+]], 1)))
+cost, text = optimum("other.lua --goal x=1,q=3.141592653589793,v=0,w=0")
+assert(math.abs(cost - 58.8076675) < 1e-4 * 58.8076675, text) -- knots 1/20 s apart cost 6.5e-5 more; the first optimum is 1.5e-2 less
+
 runs.close()

@@ -17,6 +17,8 @@ typedef struct adjoint {
   double *dX;                /* 6n, that of its point */
   double *own;               /* 3n, da/dp */
   double *slope;
+  double *kept; /* da/dp of all points: those of `s->shared`, or to become these; NULL: not kept */
+  bool known;   /* they are there */
 } adjoint;
 
 /* What the end of a step asks of the accelerations; L becomes what it asks of the state at the begin. */
@@ -48,14 +50,16 @@ static bool moves_pins(const hk_varied *by) {
   return more->has_paths || more->has_slides || less->has_paths || less->has_slides;
 }
 
-static hk_status note_parameters(adjoint *w, size_t k) {
+static hk_status note_parameters(adjoint *w, const hk_taken_step *step, size_t k) {
   const hk_stage_point *p = &w->s->point[k];
+  size_t v = 3 * w->s->n, at = ((size_t)(step - w->s->step) * w->s->method->count + k) * w->count;
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
-    double slope = 0;
+    double slope = 0, *own = w->kept ? w->kept + (at + j) * v : w->own;
     if (w->chained[j] && !w->compares && !moves_pins(&w->by[j])) continue;
-    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->chained[j] ? w->by_forces.covers : NULL, w->own);
-    for (size_t e = 0; e < 3 * w->s->n; e++) slope += w->u[k][e] * w->own[e];
+    if (!w->known)
+      status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->chained[j] ? w->by_forces.covers : NULL, own);
+    for (size_t e = 0; e < v; e++) slope += w->u[k][e] * own[e];
     w->slope[j] += slope;
     if (w->by[j].knots) hk_knots_note(w->by[j].knots, p->t, slope);
   }
@@ -80,7 +84,7 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
   }
   for (size_t j = 0; j < k; j++)
     for (size_t e = 0; e < v; e++) w->u[j][e] += h * h * m->x[k][j] * dX[e] + h * m->v[k][j] * dX[v + e];
-  return status == HK_OK ? note_parameters(w, k) : status;
+  return status == HK_OK ? note_parameters(w, step, k) : status;
 }
 
 /* The points of the steps begin to end - 1, and the states after them where they are asked for. */
@@ -128,9 +132,41 @@ static hk_status prepare_slopes(adjoint *w) {
   return HK_OK;
 }
 
+/* Finds da/dp of an adjoint before, or room to keep them for one to come; without that they are found each time. */
+static void share(adjoint *w) {
+  hk_sensitivity *s = w->s;
+  uint64_t chained = 0;
+  if (w->count > 64) return;
+  for (size_t j = 0; j < w->count; j++) chained |= (uint64_t)w->chained[j] << j;
+  double points = (double)s->steps * (double)s->method->count;
+  double numbers = points * (double)w->count * 3 * (double)s->n;
+  if (s->shared && s->shared_of == w->by && s->shared_count == w->count && s->shared_chained == chained) {
+    w->kept = s->shared;
+    w->known = true;
+    return;
+  }
+  free(s->shared);
+  s->shared = NULL;
+  s->shared_chained = chained;
+  if (s->stride >= s->steps && numbers * sizeof(double) <= HK_SHARED_MOST)
+    w->kept = malloc(((size_t)numbers + 1) * sizeof *w->kept);
+}
+
+static void keep_shared(adjoint *w, bool whole) {
+  if (w->known || !w->kept) return;
+  if (!whole) {
+    free(w->kept);
+    return;
+  }
+  w->s->shared = w->kept;
+  w->s->shared_of = w->by;
+  w->s->shared_count = w->count;
+}
+
 static hk_status all_steps(adjoint *w, double *X) {
   hk_sensitivity *s = w->s;
   hk_status status = prepare_slopes(w);
+  if (status == HK_OK) share(w);
   memcpy(w->L, X, 6 * s->n * sizeof *X);
   memset(w->slope, 0, w->count * sizeof *w->slope);
   for (size_t j = 0; j < w->count; j++)
@@ -140,6 +176,7 @@ static hk_status all_steps(adjoint *w, double *X) {
     status = segment_of(w, begin, end);
     end = begin;
   }
+  keep_shared(w, status == HK_OK);
   if (s->source && status == HK_OK) status = s->source(s->source_context, s->steps ? s->step[0].t : 0, s->start, w->L);
   memcpy(X, w->L, 6 * s->n * sizeof *X);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {

@@ -217,6 +217,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->start);
   free(s->kept);
   free(s->tape);
+  free(s->shared);
   free(s->exact);
   free(s->scratch);
   free(s);

@@ -18,6 +18,9 @@
 
 /* Bytes of a tape that is worth more than sqrt N steps: memory beyond the cache costs as much as steps taken again. */
 enum { HK_TAPE_MOST = 1 << 20 };
+/* Bytes of derivatives by parameters that are kept for further adjoints: each is two evaluations of the scene, which
+ * take ten times as long as to read it from memory. */
+enum { HK_SHARED_MOST = 1 << 23 };
 
 typedef struct hk_taken_step {
   double t, h; /* s, its begin and its length */
@@ -72,6 +75,12 @@ typedef struct hk_sensitivity {
    * adjoint goes through backwards, and what does not have to be taken again where it is there. */
   double *tape;
   size_t first, taped;
+  /* da/dp of all parameters at all points, 3n numbers each, where the tape holds the whole run: adjoints of further
+   * numbers take them from the first one. Of the parameters `shared_of`; NULL: there are none. */
+  double *shared;
+  const hk_varied *shared_of;
+  size_t shared_count;
+  uint64_t shared_chained; /* a bit for each of them that the chain rule finds in part (adjoint.c) */
   bool *exact;               /* one per force: its Jacobian is that of the force */
   bool all_exact;            /* others are differentiated by differences, which have no transpose */
   const char *inexact;       /* label of one that is not */

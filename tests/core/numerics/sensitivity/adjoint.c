@@ -118,6 +118,26 @@ static void adjoint_gives_the_derivative_by_the_start(void **state) {
   varied_close(&r);
 }
 
+/* Further adjoints of a run take derivatives by parameters from the first one: of twice a number they are twice as
+ * large, bit by bit, and so where nothing was kept. */
+static void further_adjoints_are_those_of_a_first_one(void **state) {
+  (void)state;
+  varied_runs r;
+  varied_open(&r, varied_tetrahedron, "rk4", start, VARIED_PARAMETERS, 2e-3);
+  varied_run(&r, 0.2);
+  double slope[3][VARIED_PARAMETERS];
+  hk_error error = {0};
+  for (int which = 0; which < 3; which++) {
+    double X[24] = {0.7 * (which == 1 ? 2 : 1), 0, 0.5 * (which == 1 ? 2 : 1)};
+    if (which == 2) r.s->shared_of = NULL;
+    assert_int_equal(hk_sensitivity_adjoint(r.s, X, r.by, VARIED_PARAMETERS, slope[which], &error), HK_OK);
+    assert_non_null(r.s->shared);
+  }
+  for (int j = 0; j < VARIED_PARAMETERS; j++)
+    assert_true(slope[0][j] == slope[2][j] && slope[1][j] == 2 * slope[0][j] && slope[0][j] != 0);
+  varied_close(&r);
+}
+
 /* By the values of a function of time at knots: together they are the derivative by a number. */
 static void knots_share_the_derivative_by_a_number(void **state) {
   (void)state;
@@ -146,6 +166,7 @@ int main(void) {
       cmocka_unit_test(states_kept_in_place_of_points_change_nothing),
       cmocka_unit_test(derivatives_by_forces_are_those_between_scenes),
       cmocka_unit_test(adjoint_gives_the_derivative_by_the_start),
+      cmocka_unit_test(further_adjoints_are_those_of_a_first_one),
       cmocka_unit_test(knots_share_the_derivative_by_a_number),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
