@@ -81,7 +81,7 @@ end } } }, { title = "solids" })
 
 -- ---- an upright sheet at y = 0 with a particle behind it and one before it, and a wall ----
 
--- The wall is before all in the second frame, and behind all else; a small one, in the third, before the particle that is before the sheet.
+-- The wall is behind all, in the second frame before all; a small one is in the third before the particle before the sheet.
 local walls = { { 3, 3 }, { -1, 3 }, { 3, -0.7 } } -- y, m
 
 page("sight", { { title = "sight", recording = made.recording { frames = 3, at = function()
