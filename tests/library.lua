@@ -1,5 +1,5 @@
 -- libhooke: its functions are those of hooke.h and at most 30; its programs (tests/library) run and print nothing by themselves; two
--- runs at once give the bits that each gives by itself.
+-- runs at once give the bits that each gives by itself; one cloth in two processes has the bits of one.
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 
@@ -36,5 +36,7 @@ local said = run("wrong_inputs'")
 assert(said == "", said)
 said = run("pendulum'")
 assert(said:find("; ok at 2 s", 1, true), said)
+said = run(("two_processes' '%s/tests/fixtures/halo.so' 64 30"):format(build))
+assert(said:find("the same bits", 1, true) and said:find("; 6144 bytes sent a step", 1, true), said)
 said = run("threads' pendulum_chain.lua string.lua")
 assert(said:find("the same bits", 1, true), said)

@@ -135,4 +135,20 @@ for mode in auto manual; do
   *) fail "zypper, $mode: libblas.so.3 is $(readlink "$dir/lib/libblas.so.3")" ;;
   esac
 done
+
+# ---- the container ----
+
+# Packages that tools/Containerfile names are known here; what it takes from here is all that a run wants, no package for compiling.
+file=$root/tools/Containerfile
+known=$("$root/tools/install-deps" --packages package | cut -d' ' -f2)
+for package in $(sed -n 's/.*apt-get install \([^&\\]*\).*/\1/p' "$file" | tr ' ' '\n' | grep -v -e '^-' -e '^/tmp/hooke_'); do
+  echo "$known" | grep -qx -e "$package" || fail "tools/Containerfile installs $package, which tools/install-deps does not know"
+done
+filter=$(sed -n "s/.*install-deps --packages run | \(sed -n '[^']*'\).*/\1/p" "$file")
+[ -n "$filter" ] || fail "tools/Containerfile does not ask tools/install-deps"
+taken=$("$root/tools/install-deps" --packages run | sh -c "$filter")
+for package in lua-cjson ffmpeg libopenblas0-pthread; do
+  echo "$taken" | grep -qx "$package" || fail "the container has no $package"
+done
+echo "$taken" | grep -e '-dev$' -e '^gcc$' && fail "the container has what only compiling needs"
 exit $failed

@@ -174,6 +174,83 @@ test("a slow machine draws fewer particles, and the page says so", function()
   silent("many")
 end)
 
+-- The eye is at y < 0 (side -1) or y > 0, and at the height of the sheet's middle.
+local function face(side)
+  b:eval(("(() => { const { orbit } = view.page.stage; Object.assign(orbit, { azimuth: %d * Math.PI / 2, height: 0 }).update(); })()")
+    :format(side))
+end
+
+-- The id that a press on the place of particle i takes.
+local function taken(i)
+  return b:eval(([[(() => {
+    const { stage, layers } = view.page, v = new THREE.Vector3(...layers[0].frame.x.subarray(%d, %d));
+    stage.render();
+    v.applyMatrix4(layers[0].group.matrixWorld).project(stage.orbit.camera);
+    const found = stage.pick((v.x + 1) / 2 * stage.canvas.clientWidth, (1 - v.y) / 2 * stage.canvas.clientHeight);
+    return found ? found.id : 0;
+  })()]]):format(3 * i - 3, 3 * i))
+end
+
+local function opacity() return b:eval("view.page.layers[0].solids.bodies[0].object.material.uniforms.opacity.value") end
+
+test("a press takes no particle that a surface or an obstacle hides", function()
+  open("sight")
+  for side, hidden in pairs { [-1] = 5, [1] = 6 } do
+    show(0)
+    face(side)
+    if side == 1 then switch("obstacles") end -- the wall would be before all
+    for id = 1, 6 do
+      local got = taken(id)
+      assert(got == (id == hidden and 0 or id), ("from side %d a press on %d takes %d"):format(side, id, got))
+    end
+  end
+  switch("obstacles")
+  face(-1)
+  show(2)
+  assert(taken(6) == 0 and taken(1) == 1, "behind the small wall, and beside it")
+end)
+
+test("obstacles that hide more than half of the motion are transparent", function()
+  face(-1)
+  for k, wanted in pairs { [0] = 1, [1] = 0.18, [2] = 1 } do -- as pictures: all is hidden; one of six particles is
+    show(k)
+    b:eval("view.page.stage.render()")
+    assert(math.abs(opacity() - wanted) < 1e-9, ("%g in frame %d"):format(opacity(), k))
+  end
+  show(0)
+  local sheet = { pixel(at(0.6, 0, 0.6)) }
+  show(1)
+  local veiled = { pixel(at(0.6, 0, 0.6)) }
+  local wall = { pixel(at(0.5, -1, 1.4)) } -- above the sheet, before the background
+  switch("obstacles")
+  local behind = { pixel(at(0.5, -1, 1.4)) }
+  switch("obstacles")
+  for c = 1, 3 do -- a veil of 0.18 of a colour
+    assert(math.abs(veiled[c] - sheet[c]) <= 0.18 * 255 + 1, ("%d and %d"):format(veiled[c], sheet[c]))
+    assert(math.abs(wall[c] - behind[c]) <= 0.18 * 255 + 1, ("%d and %d"):format(wall[c], behind[c]))
+  end
+  assert(wall[1] ~= behind[1] and veiled[1] ~= sheet[1], "it is seen")
+  assert(taken(6) == 6 and taken(5) == 0, "through the veil, but not through the sheet")
+  face(1)
+  b:eval("view.page.stage.render()")
+  assert(opacity() == 1, "from behind, where it hides nothing")
+  silent("sight")
+end)
+
+-- A body is no obstacle: it stays opaque, its particles are taken within it, and colours of what it hides have no legend.
+test("a legend stands beside what has its colours only", function()
+  open("body")
+  b:eval("(() => { const s = document.querySelector('#controls select'); s.value = 'velocity'; s.dispatchEvent(new Event('change')) })()")
+  b:wait("view.page.layers[0].coloured")
+  local hidden = "document.querySelector('#legend').hidden"
+  assert(b:eval(hidden) and opacity() == 1 and taken(1) == 1 and taken(2) == 2)
+  switch("obstacles")
+  b:wait("!" .. hidden)
+  switch("obstacles")
+  b:wait(hidden)
+  silent("body")
+end)
+
 test("three.js as ES modules shows the same", function()
   local there = io.open(folder .. "/modules.html")
   if not there then return print("three.js is not here as ES modules: their part is left out") end

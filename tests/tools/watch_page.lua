@@ -145,6 +145,8 @@ function tests.a_slider_begins_another_run_with_its_value()
   local state = w:wait(function(s) return s.run == run + 1 and s.frames > 5 end)
   equal(state.values.N, "10", "N at a fifth of 3 to 40") -- 3 + 37/5 = 10.4
   b:wait("view.page.layers[0].frame.n === 100")
+  local sentence = b:eval("(() => { const p = document.querySelector('.restarts'); return p.hidden ? '' : p.textContent })()")
+  assert(sentence:find("begins another run from its start", 1, true), sentence)
   silent("a slider")
 end
 

@@ -257,10 +257,12 @@ static void push_attributes(lua_State *L, const hk_recording *r) {
 }
 
 static void push_solid(lua_State *L, const hk_frame_solid *s) {
-  lua_createtable(L, 0, 4);
+  lua_createtable(L, 0, 5);
   set_text(L, "kind", hk_solid_names[s->kind]);
   lua_pushboolean(L, s->hollow);
   lua_setfield(L, -2, "hollow");
+  lua_pushboolean(L, s->body);
+  lua_setfield(L, -2, "body");
   lua_pushlstring(L, s->vertices ? (const char *)s->vertex : "", s->vertices * 3 * sizeof *s->vertex);
   lua_setfield(L, -2, "vertices");
   lua_pushlstring(L, s->faces ? (const char *)s->face : "", s->faces * sizeof *s->face);

@@ -196,7 +196,7 @@ view.app = (() => {
         const arrows = this.arrows(layer.source, frame);
         layer.show(frame, colours, arrows, this.pickedId);
         if (j === 0) this.arrowScale = arrows;
-        if (j === 0) view.colours.legend($("legend"), s && s.title, s && s.scale);
+        if (j === 0) view.colours.legend($("legend"), layer.painted && s.title, s && s.scale);
       });
       this.showPicked(frames);
       this.synchronise();

@@ -64,7 +64,10 @@ view.drive = (() => {
         ask("pace", { pace: Number(v) });
       });
       this.values = el("div", { class: "values" });
-      node.append(this.said, el("div", { class: "drive-buttons" }, this.start, this.pause, this.step, this.stop), this.values,
+      // A value is known to the script that makes the scene, and to nothing once it is made.
+      this.restarts = el("p", { class: "restarts", hidden: true },
+        "A value that is changed here begins another run from its start: a scene is made of its values once. Pace and hand act on this one.");
+      node.append(this.said, el("div", { class: "drive-buttons" }, this.start, this.pause, this.step, this.stop), this.values, this.restarts,
         el("div", { class: "drive-buttons" }, this.paces, select("Hand", "how strongly it pulls", STRENGTHS, this.strong,
           (v) => { this.strong = v; }), check("take hold", "a press on a particle takes it, as with Shift", false, hand)));
     }
@@ -94,6 +97,7 @@ view.drive = (() => {
       this.run = state.run;
       this.pause.textContent = state.waiting && running ? "start" : state.doing === "paused" ? "go on" : "pause";
       this.start.hidden = !!state.waiting && running;
+      this.restarts.hidden = !this.widgets.length || this.start.hidden;
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";
       const doing = state.waiting && running ? "it waits at its first frame: start" : state.doing;

@@ -85,6 +85,7 @@ view.layer = (() => {
       if (this.radius === undefined && frame.n) this.defaults(frame);
       this.frame = frame;
       const paint = colours || this.plain(frame.n), s = this.shown;
+      this.coloured = !!colours;
       this.surface.show(frame, paint, !colours);
       const { edges, alone, pins } = view.topology.of(this.source, frame);
       this.edges.show(frame, s.edges ? frame.edges : edges, paint);
@@ -143,6 +144,34 @@ view.layer = (() => {
         }
     }
 
+    // Whether something is seen whose colour stands for a number; pins, obstacles and rigid bodies have colours of their own, and what is
+    // within a body, found once for each topology, is not seen.
+    get painted() {
+      const { surface, frame, solids, source } = this, { edges, alone } = view.topology.of(source, frame);
+      if (!this.coloured || surface.mesh.visible) return this.coloured;
+      const key = [frame.topology, frame.n, solids.mesh.visible].join();
+      if (this.withinOf !== key) Object.assign(this, { withinOf: key, inside: solids.within(frame) });
+      const seen = (i) => !this.inside[i];
+      return edges.some(seen) || (this.balls === frame.n ? this.inside.includes(0) : alone.some(seen));
+    }
+
+    // Particles of the motion, for the camera: those of surfaces that nothing bends only where there are no others.
+    sample(camera) {
+      const { x, n } = this.frame, held = new Uint8Array(n), places = [];
+      for (const i of this.surface.mesh.visible ? this.surface.hard : []) held[i] = 1;
+      const some = held.includes(0), every = Math.ceil(n / view.sight.POINTS);
+      for (let i = 0; i < n; i += every)
+        if (Number.isFinite(x[3 * i]) && !(some && held[i])) places.push(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+      return view.sight.clip(view.sight.matrixOf(camera, this.group), places, places.length / 3);
+    }
+
+    // What hides particles behind it from a press: surfaces and obstacles through which nothing is seen.
+    blockers() {
+      const { surface, frame, group } = this, seen = surface.mesh.visible && !surface.mesh.material.transparent;
+      return [...seen ? [{ x: frame.x, count: frame.n, index: frame.triangles, object: group, side: view.sight.BOTH }] : [],
+        ...this.solids.blockers()];
+    }
+
     // The light, and colours of the page, for a camera and a width and height of the view in pixels; above: the camera is above
     // the floor, whose height is `floor`.
     light(camera, width, pixels, floor, above, theme) {
@@ -154,6 +183,7 @@ view.layer = (() => {
       u.shade.value.fromArray(theme.shade);
       u.sun.value.copy(view.light.SUN).transformDirection(camera.matrixWorldInverse);
       this.floor.paint(theme);
+      if (this.frame) this.solids.fade(camera, () => this.sample(camera));
       this.splats.draw(camera, this.group, width, pixels);
     }
   }

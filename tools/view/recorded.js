@@ -7,7 +7,7 @@
 //   source.fields          [{ name, label, unit, components, map }], numbers of particles beside their positions
 //   source.origin          [x, y, z], m: positions are relative to it, so that single precision will do
 //   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
-//   source.solids          [{ kind, hollow, vertices, faces }], what particles bounce off (solids.js)
+//   source.solids          [{ kind, hollow, body, vertices, faces }], what particles bounce off, and surfaces of rigid bodies (solids.js)
 //   source.marks           [{ key, name, kind: "wind" or "contact", largest }]: key may stand among the fields of get
 //   source.most            particles at once; left out where that is unknown
 //   source.title, source.summary, source.series, source.error
@@ -64,7 +64,7 @@ view.recorded = (() => {
     async unpackSolids() {
       const list = async (id) => id ? view.codec.indices(await view.codec.unpack(text(id))) : new Uint32Array(0);
       const { solids } = this.run;
-      this.solids = await Promise.all((solids ? solids.list : []).map(async (s) => ({ kind: s.kind, hollow: s.hollow,
+      this.solids = await Promise.all((solids ? solids.list : []).map(async (s) => ({ kind: s.kind, hollow: s.hollow, body: s.body,
         vertices: new Float32Array((await list(s.vertices)).buffer), faces: await list(s.faces) })));
       this.places = solids ? new Float32Array((await list(solids.places)).buffer) : new Float32Array(0);
     }

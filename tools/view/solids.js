@@ -17,10 +17,12 @@ view.solids = (() => {
   const fragment = `
     varying vec3 vNormal, vEye;
     uniform vec3 own;
+    uniform float opacity;
     ${view.light.glsl}
     void main() {
+      if (opacity < 1.0 && !gl_FrontFacing) discard; // one veil, not that of the far side as well
       vec3 normal = normalize(vNormal);
-      gl_FragColor = vec4(lit(own, gl_FrontFacing ? normal : -normal, normalize(vEye)), 1.0);
+      gl_FragColor = vec4(lit(own, gl_FrontFacing ? normal : -normal, normalize(vEye)), opacity);
     }`;
   const shadowVertex = `
     ${view.light.cast}
@@ -85,7 +87,7 @@ view.solids = (() => {
   class Solids {
     constructor(source, uniforms) {
       Object.assign(this, { source, uniforms, mesh: new THREE.Object3D(), shadow: new THREE.Object3D(), parts: [],
-        planes: [] }); // no groups of three.js, which would be drawn in an order of their own
+        planes: [], bodies: [] }); // no groups of three.js, which would be drawn in an order of their own
     }
 
     // Another run may have other ones.
@@ -93,6 +95,7 @@ view.solids = (() => {
       this.of = this.source.solids;
       this.parts = [];
       this.planes = [];
+      this.bodies = [];
       for (const group of [this.mesh, this.shadow]) group.remove(...group.children);
       this.of.forEach((solid, k) => {
         if (solid.kind === "plane") this.addPlane(12 * k);
@@ -109,8 +112,12 @@ view.solids = (() => {
     addBody(solid, places, at) {
       const made = shapes[solid.kind](solid, [0, 1, 2].map((k) => axis(places, at, k).length()));
       const side = solid.hollow ? THREE.BackSide : THREE.DoubleSide;
-      const own = Object.assign({ own: { value: new THREE.Vector3(...view.colours.thing("body")) } }, this.uniforms);
-      this.add(this.mesh, object(THREE.Mesh, made, material(vertex, fragment, own, { side })), at);
+      const own = Object.assign({ own: { value: new THREE.Vector3(...view.colours.thing("body")) }, opacity: { value: 1 } }, this.uniforms);
+      const body = object(THREE.Mesh, made, material(vertex, fragment, own, { side })), { position } = made.attributes;
+      made.computeBoundingSphere();
+      this.add(this.mesh, body, at);
+      this.bodies.push({ object: body, x: position.array, count: position.count, index: made.index && made.index.array,
+        sphere: made.boundingSphere, rigid: solid.body, side: solid.hollow ? view.sight.BACK : view.sight.FRONT });
       if (!solid.hollow) this.add(this.shadow, object(THREE.Mesh, made, material(shadowVertex, shadowFragment, this.uniforms,
         { side: THREE.DoubleSide, ...view.light.LAID })), at);
     }
@@ -126,6 +133,39 @@ view.solids = (() => {
       this.mesh.visible = this.shadow.visible = on;
       for (const { body, at } of this.parts) place(body, frame.solids, at);
       for (const { disc, at } of this.planes) this.lay(disc.mesh, frame.solids, at);
+    }
+
+    // While they hide more than half of a sample of the motion from the eye obstacles are transparent, and hide nothing from it.
+    // points(): of the sample, for the camera; found where there are obstacles only
+    fade(camera, points) {
+      const obstacles = this.bodies.filter((one) => !one.rigid);
+      if (!this.mesh.visible || !obstacles.length) return;
+      this.mesh.updateWorldMatrix(true, true);
+      view.sight.opacities(camera, points(), obstacles).forEach((opacity, k) => {
+        const { material: own } = obstacles[k].object;
+        own.uniforms.opacity.value = opacity;
+        Object.assign(own, { transparent: opacity < 1, depthWrite: opacity === 1 });
+      });
+    }
+
+    // What hides what is behind it, as sight.js has it. The particles of a rigid body are within it, and are to be taken there: it hides
+    // what is behind its far side.
+    blockers() {
+      const seen = this.mesh.visible ? this.bodies.filter(({ object: { material: own } }) => !own.transparent) : [];
+      return seen.map((one) => one.rigid ? { ...one, side: view.sight.BACK } : one);
+    }
+
+    // Of each particle of a frame whether it is within a rigid body, which is drawn.
+    within({ x, n, solids: places }) {
+      const inside = new Uint8Array(n), at = new THREE.Vector3();
+      for (const one of this.mesh.visible ? this.bodies.filter(({ rigid }) => rigid) : []) {
+        place(one.object, places, this.parts.find(({ body }) => body === one.object).at);
+        const { position, quaternion } = one.object, back = quaternion.clone().conjugate();
+        for (let i = 0; i < n; i++)
+          if (!inside[i] && one.sphere.containsPoint(at.fromArray(x, 3 * i).sub(position).applyQuaternion(back)))
+            inside[i] = view.sight.encloses(one, at) ? 1 : 0;
+      }
+      return inside;
     }
 
     // The disc lies where the motion is nearest to its plane.

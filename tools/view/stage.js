@@ -5,6 +5,8 @@ view.stage = (() => {
   const corners = ({ min, max }) => [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) =>
     [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
 
+  const REACH = 12; // pixels from the pointer within which a particle is meant
+
   class Stage {
     constructor(canvas, antialias, picked) {
       Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
@@ -133,33 +135,34 @@ view.stage = (() => {
       this.canvas.toBlob((blob) => view.dom.save(name, blob));
     }
 
-    // The particle nearest to the eye within some pixels of the point, { layer, index }, or null.
+    // The particle nearest to the eye within some pixels of the point that no surface or obstacle hides, { layer, index, id },
+    // or null.
     pick(px, py) {
-      const { camera } = this.orbit, reach = 12;
-      let best = null;
-      for (const v of this.views()) {
-        if (px < v.x || px >= v.x + v.w) continue;
-        camera.aspect = v.w / v.h;
-        camera.updateProjectionMatrix();
-        for (const layer of v.layers) {
-          if (!layer.frame) continue;
-          const m = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
-            .multiply(layer.group.matrixWorld).elements;
-          const { x, n } = layer.frame;
-          for (let i = 0; i < n; i++) {
-            const a = x[3 * i], b = x[3 * i + 1], c = x[3 * i + 2];
-            const w = m[3] * a + m[7] * b + m[11] * c + m[15];
-            if (!(w > 0)) continue;
-            const sx = v.x + ((m[0] * a + m[4] * b + m[8] * c + m[12]) / w + 1) / 2 * v.w;
-            const sy = (1 - (m[1] * a + m[5] * b + m[9] * c + m[13]) / w) / 2 * v.h;
-            const off = Math.hypot(sx - px, sy - py);
-            if (off > reach) continue;
-            const rank = off / reach + 4 * w / this.orbit.distance; // near the pointer, and in front
-            if (!best || rank < best.rank) best = { rank, layer, index: i, id: layer.frame.ids[i] };
-          }
-        }
+      const v = this.views().find((one) => px >= one.x && px < one.x + one.w);
+      if (!v) return null;
+      const { camera } = this.orbit, found = [], x = 2 * (px - v.x) / v.w - 1, y = 1 - 2 * py / v.h;
+      camera.aspect = v.w / v.h;
+      camera.updateProjectionMatrix();
+      const layers = v.layers.filter((layer) => layer.frame), reach = [2 * REACH / v.w, 2 * REACH / v.h];
+      for (const layer of layers) found.push(...this.near(layer, x, y, reach));
+      found.sort((a, b) => a.rank - b.rank);
+      if (!found.length) return null;
+      const blockers = new view.sight.Blockers(x, y, reach);
+      for (const thing of layers.flatMap((layer) => layer.blockers())) blockers.add(camera, thing);
+      return found.find(({ layer, index, place }) => !blockers.hide(place, layer.frame.x, index)) || null;
+    }
+
+    // Particles of a layer that are seen within reach of a place in its view, which goes from -1 to 1.
+    near(layer, x, y, reach) {
+      const { frame } = layer, { orbit } = this, found = [];
+      const places = view.sight.clip(view.sight.matrixOf(orbit.camera, layer.group), frame.x, frame.n);
+      for (let index = 0; index < frame.n; index++) {
+        const at = 3 * index, w = places[at + 2];
+        const off = Math.hypot((places[at] / w - x) / reach[0], (places[at + 1] / w - y) / reach[1]);
+        if (w > 0 && off <= 1) found.push({ layer, index, id: frame.ids[index], place: places.subarray(at, at + 3),
+          rank: off + 4 * w / orbit.distance }); // near the pointer, and in front
       }
-      return best;
+      return found;
     }
   }
 

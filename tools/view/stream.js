@@ -12,8 +12,8 @@ view.stream = (() => {
   const solidsOf = (buffer) => {
     const [count] = new Uint32Array(buffer, 0, 1), head = new Uint32Array(buffer, 4, 4 * count), solids = [];
     for (let k = 0; k < count; k++) {
-      const [kind, hollow, vertices, faces] = head.subarray(4 * k, 4 * k + 4);
-      solids.push({ kind: view.colours.solids[kind], hollow: hollow > 0, vertices, faces });
+      const [kind, flags, vertices, faces] = head.subarray(4 * k, 4 * k + 4);
+      solids.push({ kind: view.colours.solids[kind], hollow: (flags & 1) > 0, body: (flags & 2) > 0, vertices, faces });
     }
     let at = 4 + 16 * count;
     const list = (Kind, length) => { const a = new Kind(buffer, at, length); at += 4 * length; return a; };

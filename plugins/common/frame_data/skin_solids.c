@@ -11,7 +11,7 @@ static void combine(const hk_body_skin *skin, const double *x, const double weig
 void hk_skin_solids(const hk_view *view, bool y_up, hk_frame_solid *solid, size_t count) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < count; k++) {
-    solid[k] = (hk_frame_solid){.kind = HK_SHAPE_MESH};
+    solid[k] = (hk_frame_solid){.kind = HK_SHAPE_MESH, .body = true};
     if (k >= m->skins) continue;
     const hk_body_skin *skin = &m->skin[k];
     double at[3];

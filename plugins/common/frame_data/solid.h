@@ -16,6 +16,7 @@ extern const char *const hk_solid_names[HK_SHAPE_MESH + 1];
 typedef struct hk_frame_solid {
   hk_shape_kind kind;
   bool hollow;       /* only what is seen of its inside is drawn */
+  bool body;         /* the surface of a rigid body, which is of the motion; otherwise what that bounces off */
   uint8_t colour[4]; /* red, green, blue, 255; with a 0 at the end that of all bodies */
   double centre[3];
   double axis[3][3]; /* from the centre to the surface along its own axes */

@@ -23,7 +23,7 @@ static bool put_kinds(hid_t group, const hk_frame_solid *solid, size_t count) {
   uint8_t *byte = malloc(2 * count);
   uint64_t(*mesh)[2] = malloc(count * sizeof *mesh);
   for (size_t k = 0; k < count && byte && mesh; k++) {
-    byte[k] = (uint8_t)solid[k].kind, byte[count + k] = solid[k].hollow;
+    byte[k] = (uint8_t)solid[k].kind, byte[count + k] = (uint8_t)(solid[k].hollow | solid[k].body << 1);
     mesh[k][0] = solid[k].vertices, mesh[k][1] = solid[k].faces;
   }
   bool fine = byte && mesh && put_list(group, "kind", H5T_NATIVE_UINT8, count, 0, byte) &&
@@ -84,7 +84,8 @@ static bool get_kinds(hk_recorded_solids *s, hid_t group, uint64_t total[2]) {
   uint64_t(*mesh)[2] = hk_h5_get_list(group, "mesh", H5T_NATIVE_UINT64, s->count, 2, sizeof(uint64_t));
   bool fine = kind && hollow && mesh && (s->solid = calloc(s->count, sizeof *s->solid));
   for (size_t k = 0; k < s->count && fine; k++) {
-    s->solid[k] = (hk_frame_solid){.kind = kind[k], .hollow = hollow[k], .vertices = mesh[k][0], .faces = mesh[k][1]};
+    s->solid[k] = (hk_frame_solid){
+        .kind = kind[k], .hollow = hollow[k] & 1, .body = hollow[k] & 2, .vertices = mesh[k][0], .faces = mesh[k][1]};
     fine = kind[k] <= HK_SHAPE_MESH && mesh[k][0] <= MOST && mesh[k][1] <= MOST;
     total[0] += mesh[k][0], total[1] += mesh[k][1];
   }

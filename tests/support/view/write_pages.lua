@@ -79,6 +79,30 @@ places = function(k)
     3, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }
 end } } }, { title = "solids" })
 
+-- ---- an upright sheet at y = 0 with a particle behind it and one before it, and a wall ----
+
+-- The wall is behind all, in the second frame before all; a small one is in the third before the particle before the sheet.
+local walls = { { 3, 3 }, { -1, 3 }, { 3, -0.7 } } -- y, m
+
+page("sight", { { title = "sight", recording = made.recording { frames = 3, at = function()
+  local x = { 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 1, 0.5, 0.5, 0.5, 0.3, -0.5, 0.3 }
+  local v = {}
+  for k = 1, #x do v[k] = k / 10 end
+  return x, v, { 1, 2, 3, 4, 5, 6 }
+end, triangles = { 0, 1, 3, 0, 3, 2 }, solids = { { kind = "box", vertices = "", faces = "" }, { kind = "box", vertices = "", faces = "" } },
+places = function(k)
+  local large, small = table.unpack(walls[k])
+  return made.doubles { 0.5, large, 0.5, 1, 0, 0, 0, 0.05, 0, 0, 0, 1, 0.3, small, 0.3, 0.1, 0, 0, 0, 0.02, 0, 0, 0, 0.1 }
+end } } }, { title = "sight" })
+
+-- ---- a rigid body that hides its particles ----
+
+page("body", { { title = "body", recording = made.recording { frames = 2, at = function()
+  return { 0.1, 0, 0, -0.1, 0, 0.2 }, { 1, 0, 0, 2, 0, 0 }, { 1, 2 }
+end, edges = { 0, 1 },
+solids = { { kind = "mesh", body = true, vertices = made.doubles(box_vertices), faces = made.indices(box_faces) } },
+places = function() return made.doubles { 0, 0, 0, 0, 1, 0, -1, 0, 0, 0, 0, 1 } end } } }, { title = "body" })
+
 -- ---- more particles than a slow machine draws: 24,000 that rise ----
 
 local many, ids, still = {}, {}, {}

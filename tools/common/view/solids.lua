@@ -29,8 +29,8 @@ function solids.of(r, out, origin)
   if not r.solids or #r.solids == 0 then return nil end
   local data, places = { list = json_text.list(), moving = moves(r) }, {}
   for k, s in ipairs(r.solids) do
-    data.list[k] = { kind = s.kind, hollow = s.hollow, vertices = packed(out, floats(s.vertices, 3, { 0, 0, 0 })),
-      faces = packed(out, s.faces) }
+    data.list[k] = { kind = s.kind, hollow = s.hollow, body = s.body or false,
+      vertices = packed(out, floats(s.vertices, 3, { 0, 0, 0 })), faces = packed(out, s.faces) }
   end
   for k = 1, data.moving and r.frames or 1 do places[k] = floats(r:solid_places(k), 12, origin) end
   data.places = packed(out, table.concat(places))

@@ -8,7 +8,7 @@ local three = require("common.view.three")
 local template = {}
 
 -- In this order: a module uses those before it.
-template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
+template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "sight", "surface", "segments",
   "points", "trails", "splats", "floor", "solids", "orbit", "topology", "layer", "stage", "economy", "clock", "timeline", "plots",
   "controls", "compare", "inspector", "report", "bench", "app" }
 
