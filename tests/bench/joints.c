@@ -1,6 +1,11 @@
 /* What a rod of a chain in hinges costs: us a rod and step of leapfrog, in one thread, of chains of 25 to 400 rods that
  * fall from the horizontal; in proportion to their number where the figures are alike. Asked for is 1 us. Runs take
- * turns, and each figure is the least of its runs. */
+ * turns, and each figure is the least of its runs.
+ *
+ * A rod takes 48,800 instructions a step (callgrind, 100 rods, 200 steps): 9,300 to factorize, 9,100 for four solutions
+ * (three rounds of SHAKE, one of RATTLE), 8,900 to assemble A, 6,200 to add impulses, 4,500 to move riders. Columns of
+ * L updated in vectors where their blocks lie below each other, which most do, but few at a time, saved 11 % of the
+ * factorization, 2 % of all, and were left out. */
 #include "tests/support/command.h"
 
 #include <math.h>
