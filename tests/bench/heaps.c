@@ -2,7 +2,20 @@
  * particles on a ball, a strip in meanders that is crumpled in a box, and 1,000 strands of 30 particles that fall
  * across each other. Of each: intersections, which have to be 0, counted exactly at every frame; the time of a step, in
  * all and for a place where something touches; and the largest memory, of a process of its own. Times are those of the
- * process, one thread.
+ * process, one thread. On two shared cores with 30 other processes, 0 intersections in each:
+ *
+ *                   particles  places that touch  ms a step  ns a place     MB
+ *     6 sheets            867              4,370        6.8       1,570   12.5
+ *     12 sheets         1,731             10,398       12.4       1,190   24.5
+ *     30 sheets         4,323             28,664       54.4       1,900   76.7
+ *     100 strands       3,003              3,842       18.8       4,880   31.8
+ *     400 strands      12,003             16,330        148       9,040    131
+ *     1,000 strands    30,003             43,983        634      14,400    392
+ *     strip in a box    3,144                276        1.2       4,460   26.1
+ *
+ * Memory is in proportion to what touches. Time is not: a place in 1,000 strands takes three times that in 100, of
+ * pairs, narrow phase and impulses alike; whether by the caches or by the pairs that are near without touching was not
+ * found out.
  *
  *     build/bench/heaps [short] [NAME]     short: the same heaps, smaller, in less than 20 s
  *
