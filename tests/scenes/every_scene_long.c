@@ -48,6 +48,8 @@ static const char *options_of(const char *scene) {
       {"gyroid", "size=0.1"},
       {"hair_methods", "strands=4"},
       {"boat", "cell=0.1"},
+      {"drop", "cell=0.002"},
+      {"skipping_stone", "cell=0.05"},
       {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},
       {"hourglass", "n=60"},
