@@ -49,6 +49,7 @@ static const char *options_of(const char *scene) {
       {"hair_methods", "strands=4"},
       {"boat", "cell=0.1"},
       {"drop", "cell=0.002"},
+      {"glass", "fill=0.1"},
       {"skipping_stone", "cell=0.05"},
       {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},
