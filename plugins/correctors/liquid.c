@@ -32,7 +32,7 @@ typedef struct liquid {
   double *dissipation; /* n, W/kg, of the last step */
   double *counted;     /* n, kg: of each, as the balance has it */
   hk_array guess;      /* m^2/s, the last pressure, on the grid */
-  hk_array force;      /* of bodies x 6, hk_liquid_bodies */
+  hk_array force;      /* of bodies x 12, hk_liquid_bodies */
   double reached;      /* s, the end of the last step */
   double longest;      /* s, of the last steps */
   double off;          /* by which the density within was off, at most */
@@ -211,7 +211,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
                                     &s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
   if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
-  if (status == HK_OK) status = host->resize(host, &s->force, 6 * m->bodies.count);
+  if (status == HK_OK) status = host->resize(host, &s->force, 12 * m->bodies.count);
   if (status == HK_OK) status = open_cloth(s, view);
   if (status != HK_OK) return status;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);

@@ -31,9 +31,10 @@ typedef struct hk_liquid_bodies {
   hk_liquid_body *body;
   uint16_t *owner[3]; /* size of the grid, on faces: the body that covers what is not open, from 1; 0: none */
   uint16_t *beside;   /* size of the grid, at corners: the body that is the nearest solid, from 1; 0: none is */
-  double *force;      /* count x 6: N, and N m about the centre, beyond what the pressure in cells comes to */
-  double h;           /* s, of the step */
-  bool known;         /* which are free */
+  double *force; /* count x 12: N, and N m about the centre, beyond what the pressure in cells comes to: of the last
+                    step, and of the one before */
+  double h;      /* s, of the step */
+  bool known;    /* which are free */
   bool said;
 } hk_liquid_bodies;
 

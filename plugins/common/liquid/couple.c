@@ -85,7 +85,7 @@ static void find_forces(hk_liquid *l) {
     const hk_moving_wall *w = &l->pressure.walls.wall[k];
     if (w->body >= l->bodies.count) continue;
     double part = unit * beyond_centre(l, w);
-    for (int c = 0; c < 6; c++) l->bodies.force[6 * w->body + (size_t)c] += part * w->flux[c];
+    for (int c = 0; c < 6; c++) l->bodies.force[12 * w->body + (size_t)c] += part * w->flux[c];
   }
 }
 

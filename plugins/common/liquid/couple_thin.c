@@ -36,7 +36,7 @@ static double slope_across(const hk_liquid *l, const thin_side *side, const doub
   if (!(open > 0) || last[i] == 0) return 0;
   if (g->unknown[beyond] != HK_LIQUID_NONE)
     return last[beyond] == 0 ? 0 : (last[i] - last[beyond]) / g->spacing[side->c];
-  return last[i] / (hk_liquid_part_to_surface(g, i, beyond) * g->spacing[side->c]);
+  return last[i] / (hk_liquid_part_to_surface(g, side->c, side->upper ? i : i + s, i) * g->spacing[side->c]);
 }
 
 /* Gives the points what acts on this side beyond the pressure in the centre. */

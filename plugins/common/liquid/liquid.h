@@ -98,9 +98,12 @@ double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
 size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);
-/* The part of the way from the centre of a cell of the liquid to that of one beyond the surface where the surface is.
+/* The part of the way from the centre of the cell `in` of the liquid, across its face of component c below cell i, to
+ * the centre of one beyond the surface, where the surface is. Of a face that walls leave less than a fifth open it is
+ * moved away, to 1 where nothing is open: through next to nothing a near surface would not hold the pressure, and would
+ * make a velocity of it that has no bound. With a fifth or more that is at most five times what comes, by continuity.
  */
-double hk_liquid_part_to_surface(const hk_liquid_grid *, size_t in, size_t out);
+double hk_liquid_part_to_surface(const hk_liquid_grid *, int c, size_t i, size_t in);
 /* The slope of the pressure (by density and step, m/s) across the face of component c below cell i; the surface's
  * pressure is zero. */
 double hk_liquid_slope(const hk_liquid *, int c, size_t i);

@@ -1,7 +1,8 @@
 /* Where the liquid is: filled parts of cells, and the free surface between them. */
 #include "plugins/common/liquid/liquid.h"
 
-static const double nearest = 0.01; /* of the way between two centres: the surface is no nearer to one of them */
+static const double nearest = 0.01;    /* of the way between two centres: the surface is no nearer to one of them */
+static const double hardly_open = 0.2; /* of a face: below, the surface is the farther away the less is open */
 
 /* Beside a flat surface at the distance s (in cells, negative in the liquid) the kernel 1 - |s| about a centre covers
  * the part 1/2 - s + s |s|/2 of liquid; this is the inverse. */
@@ -117,9 +118,9 @@ void hk_liquid_find_surface(hk_liquid *l) {
   measure_density(l);
 }
 
-double hk_liquid_part_to_surface(const hk_liquid_grid *g, size_t in, size_t out) {
-  double a = g->distance[in], b = g->distance[out];
-  return fmax(nearest, fmin(1, b > 0 ? a / (a - b) : 1));
+double hk_liquid_part_to_surface(const hk_liquid_grid *g, int c, size_t i, size_t in) {
+  double a = g->distance[in], b = g->distance[in == i ? i - g->stride[c] : i];
+  return fmax(fmax(nearest, 1 - g->open[c][i] / hardly_open), fmin(1, b > 0 ? a / (a - b) : 1));
 }
 
 double hk_liquid_slope(const hk_liquid *l, int c, size_t i) {
@@ -127,7 +128,7 @@ double hk_liquid_slope(const hk_liquid *l, int c, size_t i) {
   size_t below = i - g->stride[c];
   uint32_t a = g->unknown[below], b = g->unknown[i];
   if (a != HK_LIQUID_NONE && b != HK_LIQUID_NONE) return (l->pressure.x[b] - l->pressure.x[a]) / g->spacing[c];
-  if (b != HK_LIQUID_NONE) return l->pressure.x[b] / (hk_liquid_part_to_surface(g, i, below) * g->spacing[c]);
-  if (a != HK_LIQUID_NONE) return -l->pressure.x[a] / (hk_liquid_part_to_surface(g, below, i) * g->spacing[c]);
+  if (b != HK_LIQUID_NONE) return l->pressure.x[b] / (hk_liquid_part_to_surface(g, c, i, i) * g->spacing[c]);
+  if (a != HK_LIQUID_NONE) return -l->pressure.x[a] / (hk_liquid_part_to_surface(g, c, i, below) * g->spacing[c]);
   return 0;
 }

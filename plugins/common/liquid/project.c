@@ -24,9 +24,8 @@ static void row_of(hk_liquid *l, size_t k) {
     p->prior[c][k] = before > 0 && prior != HK_LIQUID_NONE ? prior : (uint32_t)p->rows;
     p->next[c][k] = after > 0 && next != HK_LIQUID_NONE ? next : (uint32_t)p->rows;
     p->side[c][k] = p->next[c][k] < p->rows ? after : 0;
-    if (before > 0)
-      p->diagonal[k] += prior == HK_LIQUID_NONE ? before / hk_liquid_part_to_surface(g, i, i - s) : before;
-    if (after > 0) p->diagonal[k] += next == HK_LIQUID_NONE ? after / hk_liquid_part_to_surface(g, i, i + s) : after;
+    if (before > 0) p->diagonal[k] += prior == HK_LIQUID_NONE ? before / hk_liquid_part_to_surface(g, c, i, i) : before;
+    if (after > 0) p->diagonal[k] += next == HK_LIQUID_NONE ? after / hk_liquid_part_to_surface(g, c, i + s, i) : after;
   }
 }
 
