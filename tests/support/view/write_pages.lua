@@ -89,7 +89,8 @@ page("sight", { { title = "sight", recording = made.recording { frames = 3, at =
   local v = {}
   for k = 1, #x do v[k] = k / 10 end
   return x, v, { 1, 2, 3, 4, 5, 6 }
-end, triangles = { 0, 1, 3, 0, 3, 2 }, solids = { { kind = "box", vertices = "", faces = "" }, { kind = "box", vertices = "", faces = "" } },
+end, triangles = { 0, 1, 3, 0, 3, 2 },
+solids = { { kind = "box", vertices = "", faces = "" }, { kind = "box", vertices = "", faces = "" } },
 places = function(k)
   local large, small = table.unpack(walls[k])
   return made.doubles { 0.5, large, 0.5, 1, 0, 0, 0, 0.05, 0, 0, 0, 1, 0.3, small, 0.3, 0.1, 0, 0, 0, 0.02, 0, 0, 0, 0.1 }
