@@ -1,6 +1,7 @@
 -- luxo.lua: a desk lamp of three links on a base jumps 0.3 m to the side by its four muscles: it crouches first, leaves the floor at
 -- 0.8 s, lands at 1.1 s and comes to rest as it stood. The base is held to the floor at given times (Witkin and Kass, Spacetime
--- constraints, 1988). The jump of the least squares of the muscles' forces is found by hooke optimise luxo.lua
+-- constraints, 1988). hooke optimise luxo.lua ends with the least squares of the muscles' forces; it begins near it, with what IPOPT
+-- found on the same steps from a lamp at rest, rounded to 0.1 N: from rest itself its search does not come there.
 local start = {
   back = { -3.5, 0.6, 4.4, 6.9, 7.7, 8, 9, 10.3, 10.5, 7.4, 0.4, -6.4, -9.3, -8.4, -6.1, -5.7, -13.5, -18.4, -15.5, -1.5, 8.3, 26.1,
     24.6, -44.5, 26.3, -6.8, -0.4, -9.2, 4.5, 40.7, -70.6, 104.5, -9.2, 122.5, -37.1, 5.7, -2.5, 5.2, 8.9, 13.3, 16.3, 17.9, 18.9, 19,
