@@ -275,6 +275,9 @@ hk_status hk_viscous_coarse_build(hk_viscous_coarse *s, const hk_host *host, con
     status = hk_supernodal_factorize(&s->factors, &s->matrix);
     t.shift *= 100;
   } while (status == HK_NOT_CONVERGED && t.shift <= last_shift);
+  if (status == HK_NOT_CONVERGED)
+    return host->fail(host, status, "the viscosity's equations of %zu faces are not finite: take shorter steps",
+                      s->faces);
   return status;
 }
 
