@@ -25,7 +25,7 @@ const hk_dirk_tableau hk_tr_bdf2 = {
 
 const hk_param hk_dirk_params[] = {
     HK_NEWTON_PARAMS(hk_dirk, 1e-6, "algebraic error of a step's velocities, relative to the largest RMS speed so far",
-                     30, "of Newton's method in a stage, at most; then the step is halved"),
+                     100, "of Newton's method in a stage, at most; then the step is halved"),
     {0},
 };
 
