@@ -63,14 +63,6 @@ static size_t particle(const heating *s, const hk_view *view, size_t k) {
   return view->is_active && !view->is_active[i] ? view->n : i;
 }
 
-static hk_body_frame frame_at(const heating *s, double t) {
-  hk_pose poses[HK_POSES], now = hk_obstacle_pose(&s->params, t);
-  hk_motion motion;
-  hk_motion_begin(poses, &now);
-  hk_motion_of(&motion, poses);
-  return motion.end;
-}
-
 static bool is_near(const heating *s, const hk_body_frame *frame, const hk_view *view, size_t i) {
   double n[3];
   return isnan(s->reach) || hk_obstacle_gap(&s->obstacle, frame, view->x + 3 * i, i, n) <= s->reach;
@@ -79,7 +71,7 @@ static bool is_near(const heating *s, const hk_body_frame *frame, const hk_view 
 static hk_status rates(void *self, const hk_view *view, double *dy) {
   const heating *s = self;
   const double *h = hk_enthalpy(&s->heat, view);
-  hk_body_frame frame = frame_at(s, view->t);
+  hk_body_frame frame = hk_obstacle_frame(&s->params, view->t);
   for (size_t k = 0; k < count_of(s, view); k++) {
     size_t i = particle(s, view, k);
     if (i == view->n || !(view->model->mass[i] > 0) || !is_near(s, &frame, view, i)) continue;

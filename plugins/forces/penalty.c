@@ -47,12 +47,7 @@ typedef struct contact {
 } contact;
 
 static contact contact_at(const penalty *s, const hk_view *view) {
-  contact c = {.self = s, .view = view, .obstacle = s->obstacle};
-  hk_pose poses[HK_POSES], now = hk_obstacle_pose(&s->params, view->t);
-  hk_motion motion;
-  hk_motion_begin(poses, &now);
-  hk_motion_of(&motion, poses);
-  c.frame = motion.end;
+  contact c = {s, view, s->obstacle, hk_obstacle_frame(&s->params, view->t)};
   hk_copy(c.frame.velocity, s->velocity);
   hk_copy(c.frame.spin, s->spin);
   hk_obstacle_take_radii(&c.obstacle, &s->params, view);

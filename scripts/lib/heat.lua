@@ -31,4 +31,14 @@ function heat.temperature(law, h)
   return law.solidus + (liquidus - law.solidus) * h / law.latent
 end
 
+-- Measures "balance": the enthalpy of the particles `ids`, J, by the channel "enthalpy", less what the channel "given" says that
+-- they were given. It stays.
+function heat.measure_balance(scene, ids)
+  scene:measure("balance", function(s)
+    local sum = 0
+    for _, id in ipairs(ids) do sum = sum + s:mass(id) * (s:channel("enthalpy", id) - s:channel("given", id)) end
+    return sum
+  end)
+end
+
 return heat

@@ -40,11 +40,7 @@ scene:measure("set", function(s) -- part of it that is solid
   for _, id in ipairs(ids) do sum = sum + (1 - s:field("molten", id)) / #ids end
   return sum
 end)
-scene:measure("balance", function(s) -- of the enthalpy, J, less what it was given; it stays
-  local sum = 0
-  for _, id in ipairs(ids) do sum = sum + s:mass(id) * (s:channel("enthalpy", id) - s:channel("given", id)) end
-  return sum
-end)
+heat.measure_balance(scene, ids)
 scene:output("frames", { surface = 0.3 * cell, plain = { 0.2, 0.09, 0.04 }, color = "none", from = { 0.12, -0.42, 0.2 },
   look_at = { 0, 0, 0.055 }, ground_height = 0, fov = 20 })
 return scene

@@ -35,11 +35,7 @@ scene:measure("broke", function(s)
   if not broke and p[3] - q[3] > 3 * link then broke = s.t end
   return broke or 0
 end)
-scene:measure("balance", function(s) -- of the enthalpy, J, less what it was given; it stays
-  local sum = 0
-  for _, id in ipairs(ids) do sum = sum + s:mass(id) * (s:channel("enthalpy", id) - s:channel("given", id)) end
-  return sum
-end)
+heat.measure_balance(scene, ids)
 scene:output("frames", { color = "enthalpy", range = { -7000, 330e3 }, unit = "J/kg", map = "viridis", radius = 0.017,
   from = { 0.1, -1.5, -0.35 }, look_at = { 0, 0, -0.35 }, ground = false, fov = 32 })
 return scene

@@ -11,29 +11,12 @@
  * 4e-14) where there are always eight and violations see all bits: what is left is that SHAKE solves for the rounded
  * positions. */
 #include "tests/support/command.h"
+#include "tests/support/lagrange_top.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 enum { FRAMES = 10, LONGEST = 1000000 };
-
-/* The nutation's period is that of scripts/validation/rigid/lagrange_top.lua, s. */
-static const char scene[] =
-    "local n, period = param('n', 5000, 'nutations'), 0.94164945171\n"
-    "local T = n * period\n"
-    "local scene = hooke.scene { duration = T, fps = 10 / T, dt = 0.01, integrator = 'kahan_li8' }\n"
-    "local up = { math.sin(0.5), 0, math.cos(0.5) }\n"
-    "local top = scene:rigid { mass = 1, inertia = { 0.2, 0.2, 0.1 }, orientation = { 0, 0.5, 0 },\n"
-    "  position = { 0.5 * up[1], 0, 0.5 * up[3] }, spin = { 40 * up[1], 0, 40 * up[3] } }\n"
-    "scene:joint { kind = 'ball', a = top, at = { 0, 0, 0 } }\n"
-    "scene:force('gravity', { g = { 0, 0, -9.81 } })\n"
-    "local first\n"
-    "scene:on_frame(function(s)\n"
-    "  local E = s:energy()\n"
-    "  first = first or E\n"
-    "  print(('%8.0f nutations %10.2e'):format(s.t / period, E / first - 1))\n"
-    "end)\n"
-    "return scene\n";
 
 int main(int argc, char **argv) {
   static test_result result;
@@ -43,7 +26,7 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: top [NUTATIONS], %d to %d\n", FRAMES, LONGEST);
     return 1;
   }
-  test_write("top.lua", scene);
+  test_write("top.lua", lagrange_top);
   snprintf(arguments, sizeof arguments, "run top.lua n=%d --threads 1 --no-output --no-check --quiet", nutations);
   test_hooke(&result, NULL, arguments);
   fputs(result.err, stdout); /* what scripts print, and why they fail */

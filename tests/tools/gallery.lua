@@ -34,7 +34,7 @@ return scene
 
 -- ---- the list ----
 
-refused("while true do end", "instructions")
+refused("while true do end", "is there an endless loop?") -- of its instructions, or on a slow machine of its seconds
 refused("io.open('stolen', 'w')", "is not available")
 refused("return 3", "it has to return a table")
 refused("return { width = 32 }", "height has to be a whole number above 0")

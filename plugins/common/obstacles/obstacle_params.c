@@ -59,6 +59,14 @@ hk_pose hk_obstacle_pose(const hk_obstacle_params *p, double t) {
   return pose;
 }
 
+hk_body_frame hk_obstacle_frame(const hk_obstacle_params *p, double t) {
+  hk_pose poses[HK_POSES], now = hk_obstacle_pose(p, t);
+  hk_motion motion;
+  hk_motion_begin(poses, &now);
+  hk_motion_of(&motion, poses);
+  return motion.end;
+}
+
 void hk_obstacle_take_radii(hk_obstacle *o, const hk_obstacle_params *p, const hk_view *view) {
   o->radius = p->radius;
   o->radii = p->radius_channel && view->y ? view->y + view->model->channel[p->channel].offset * view->n : NULL;

@@ -51,6 +51,7 @@ typedef struct hk_obstacle_params {
 hk_status hk_obstacle_open(hk_obstacle *, hk_surface *, hk_obstacle_params *, const hk_host *, const hk_view *);
 /* The pose and the particles' radii of this moment. */
 hk_pose hk_obstacle_pose(const hk_obstacle_params *, double t);
+hk_body_frame hk_obstacle_frame(const hk_obstacle_params *, double t); /* at rest in that pose */
 void hk_obstacle_take_radii(hk_obstacle *, const hk_obstacle_params *, const hk_view *);
 
 /* How many particles are inside, and how deep; of those that are not held by pins. */
