@@ -1,4 +1,5 @@
-/* Groups of two to four particles at fixed distances, eight side by side: their steps and their factors. */
+/* Groups of two to four particles at fixed distances, eight side by side, their steps and their factors; and rigid
+ * bodies that links join as trees. */
 #ifndef HK_RIGID_BUNDLES_H
 #define HK_RIGID_BUNDLES_H
 
@@ -19,13 +20,65 @@ typedef struct hk_rigid_bundle {
   double factor[21][HK_RIGID_BUNDLE]; /* lower triangle of F, A = F F^T, by rows, its diagonal as reciprocals */
 } hk_rigid_bundle;
 
+/* One group, by rising particles. Of a particle by itself there are no pairs. */
+typedef struct hk_rigid_group {
+  int size, pairs;
+  uint32_t particle[4], equation[4][4];
+  double square[4][4]; /* of the distances, m^2 */
+} hk_rigid_group;
+
 /* Fills factor, square and per_length of a lane from the squares of the distances, whose weights are set; false: the
  * equations are dependent. */
 bool hk_rigid_bundle_factorize(hk_rigid_bundle *, int lane, const double square[4][4]);
 /* See hk_constraint_table; n x 3 each. False: a group did not converge; x and v of the
  * bundle are as they were. */
 bool hk_rigid_bundle_shake(int width, const hk_rigid_bundle *, const double *from, double h, double *x, double *v);
+/* One round of that: x is corrected along J at `from`, and all, 6 x HK_RIGID_BUNDLE, grows by the multipliers. The
+ * largest violation before it, m; NaN counts as the largest. */
+double hk_rigid_bundle_round(int width, const hk_rigid_bundle *, const double *from, double *x, double *all);
+/* v += `by` W J^T all, J at `from`. */
+void hk_rigid_bundle_push(int width, const hk_rigid_bundle *, const double *from, const double *all, double by,
+                          double *v);
 /* lambda of its equations becomes `by` times the impulse. */
 void hk_rigid_bundle_rattle(int width, const hk_rigid_bundle *, const double *x, double by, double *v, double *lambda);
+
+/* ---- tree.c: the motion of all bodies that meets the equations of all links ---- */
+
+enum { HK_RIGID_ROWS = 6, HK_RIGID_WIDE = 8 }; /* equations of a link, at most; numbers in a row of a node's matrices */
+#define HK_RIGID_NOTHING UINT32_MAX            /* no parent: the world, or no link */
+
+typedef double hk_rigid_rows[HK_RIGID_ROWS][HK_RIGID_WIDE];
+
+/* A body and the link to its parent, which comes before it in the list. A twist is a velocity of the centre of mass and
+ * a rate of turning, (u, w), a wrench a force and a torque about that centre, in the axes of space. Numbers beyond the
+ * sixth of a row, and rows beyond `rows`, are 0. */
+typedef struct hk_rigid_node {
+  uint32_t parent, rows; /* node; equations of its link to the parent or to the world, 0: it is free */
+  size_t row;            /* the first of them in a list of all equations of links */
+  int size;              /* particles, 1 to 4 */
+  uint32_t particle[4];
+  double mass[4];  /* kg */
+  double at[4][3]; /* m, from the centre of mass */
+  /* Of each equation the wrench of its gradient on this body, J, and on the parent, J'. Once factorized, with A = L D
+   * L^T of the body and what hangs on it, K = J A^-1 J^T = G E G^T of the link: L^-1 J^T and G^-1 J', and both
+   * transposed. */
+  hk_rigid_rows own, other, own_across, other_across;
+  hk_rigid_rows body, link; /* A, kg and kg m^2; once factorized, column k of L and of G in row k */
+  double body_pivot[HK_RIGID_WIDE], link_pivot[HK_RIGID_WIDE]; /* 1/D, 1/E */
+  double wrench[HK_RIGID_WIDE];                                /* given: what acts, or mass times a way */
+  double body_part[HK_RIGID_WIDE], link_part[HK_RIGID_WIDE];   /* scratch of a solution */
+  double twist[HK_RIGID_WIDE];                                 /* the solution */
+} hk_rigid_node;
+
+/* mass, at and the inertia of a node whose particles are at x, n x 3; own and other become zeros. */
+void hk_rigid_node_place(hk_rigid_node *, const double *x);
+/* The wrench of the force J on a particle or rider of the body at `at`, added to a row. */
+void hk_rigid_node_add(const hk_rigid_node *, const double *x, const double *at, const double J[3], double *row);
+/* `wrench` becomes the momentum of velocities v, n x 3, and the angular momentum about the centre of mass. */
+void hk_rigid_node_take(hk_rigid_node *, const double *v);
+/* The factors of all nodes, which have been placed; false: equations of a link follow from others. */
+bool hk_rigid_tree_factorize(int width, hk_rigid_node *, size_t count);
+/* The twists u that make u.M u/2 - wrench.u least among those with J u = -g, where g has a number for each row. */
+void hk_rigid_tree_solve(int width, hk_rigid_node *, size_t count, const double *g);
 
 #endif
