@@ -44,14 +44,14 @@ void hk_rigid_bundle_rattle(int width, const hk_rigid_bundle *, const double *x,
 
 /* ---- tree.c: the motion of all bodies that meets the equations of all links ---- */
 
-enum { HK_RIGID_ROWS = 6, HK_RIGID_WIDE = 8 }; /* equations of a link, at most; numbers in a row of a node's matrices */
-#define HK_RIGID_NOTHING UINT32_MAX            /* no parent: the world, or no link */
+enum { HK_RIGID_ROWS = 6 };         /* equations of a link, at most, and of a body's motion */
+#define HK_RIGID_NOTHING UINT32_MAX /* no parent: the world, or no link */
 
-typedef double hk_rigid_rows[HK_RIGID_ROWS][HK_RIGID_WIDE];
+typedef double hk_rigid_rows[HK_RIGID_ROWS][HK_RIGID_ROWS];
 
 /* A body and the link to its parent, which comes before it in the list. A twist is a velocity of the centre of mass and
- * a rate of turning, (u, w), a wrench a force and a torque about that centre, in the axes of space. Numbers beyond the
- * sixth of a row, and rows beyond `rows`, are 0. */
+ * a rate of turning, (u, w), a wrench a force and a torque about that centre, in the axes of space. Of matrices of
+ * links rows and columns beyond `rows` are 0. */
 typedef struct hk_rigid_node {
   uint32_t parent, rows; /* node; equations of its link to the parent or to the world, 0: it is free */
   size_t row;            /* the first of them in a list of all equations of links */
@@ -64,10 +64,10 @@ typedef struct hk_rigid_node {
    * transposed. */
   hk_rigid_rows own, other, own_across, other_across;
   hk_rigid_rows body, link; /* A, kg and kg m^2; once factorized, column k of L and of G in row k */
-  double body_pivot[HK_RIGID_WIDE], link_pivot[HK_RIGID_WIDE]; /* 1/D, 1/E */
-  double wrench[HK_RIGID_WIDE];                                /* given: what acts, or mass times a way */
-  double body_part[HK_RIGID_WIDE], link_part[HK_RIGID_WIDE];   /* scratch of a solution */
-  double twist[HK_RIGID_WIDE];                                 /* the solution */
+  double body_pivot[HK_RIGID_ROWS], link_pivot[HK_RIGID_ROWS]; /* 1/D, 1/E */
+  double wrench[HK_RIGID_ROWS];                                /* given: what acts, or mass times a way */
+  double body_part[HK_RIGID_ROWS], link_part[HK_RIGID_ROWS];   /* scratch of a solution */
+  double twist[HK_RIGID_ROWS];                                 /* the solution */
 } hk_rigid_node;
 
 /* mass, at and the inertia of a node whose particles are at x, n x 3; own and other become zeros. */

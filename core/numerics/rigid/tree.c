@@ -21,8 +21,9 @@
 /* A pivot below this part of its diagonal is one of dependent equations: rounding in 6 products leaves some 1e-15. */
 static const double dependent = 1e-12;
 
-/* The numbers of a row. */
-typedef double lanes __attribute__((vector_size(8 * HK_RIGID_WIDE), aligned(8), may_alias));
+/* A row of six numbers is one of four and one of two, which every width of vectors divides into its own. */
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* ---- a body ---- */
 
@@ -92,32 +93,49 @@ void hk_rigid_node_take(hk_rigid_node *n, const double *v) {
 
 /* ---- factors ---- */
 
-HK_INLINE lanes *row(double *of) { return (lanes *)of; }
+HK_INLINE four *head(double *row) { return (four *)row; }
+HK_INLINE two *tail(double *row) { return (two *)(row + 4); }
+
+/* to += by of */
+HK_INLINE void add_row(double *to, double by, double *of) {
+  *head(to) += by * *head(of);
+  *tail(to) += by * *tail(of);
+}
+
+/* to += the sum of b[k] times row k */
+HK_INLINE void add_rows(int count, hk_rigid_rows rows, const double *b, double *to) {
+  four first = *head(to);
+  two last = *tail(to);
+  for (int k = 0; k < count; k++) first += b[k] * *head(rows[k]), last += b[k] * *tail(rows[k]);
+  *head(to) = first;
+  *tail(to) = last;
+}
 
 /* Of the symmetric A, n x n: column k of its unit lower triangle in row k, and the reciprocals of its pivots. */
 HK_INLINE bool factorize_rows(int n, hk_rigid_rows A, double *pivot) {
   bool fine = true;
-  double own[HK_RIGID_ROWS];
-  for (int k = 0; k < n; k++) own[k] = A[k][k];
-  for (int k = 0; k < n; k++) {
-    fine &= A[k][k] > dependent * own[k];
-    pivot[k] = 1 / A[k][k];
-    lanes column = *row(A[k]) * pivot[k];
-    for (int q = k + 1; q < n; q++) *row(A[q]) -= column[q] * *row(A[k]);
-    *row(A[k]) = column;
+  double found[HK_RIGID_ROWS];
+  for (int q = 0; q < n; q++) {
+    double own = A[q][q];
+    for (int k = 0; k < q; k++) add_row(A[q], -A[k][q] * found[k], A[k]);
+    found[q] = A[q][q];
+    fine &= found[q] > dependent * own;
+    pivot[q] = 1 / found[q];
+    *head(A[q]) *= pivot[q];
+    *tail(A[q]) *= pivot[q];
   }
   return fine;
 }
 
 /* b := L^-1 b, of numbers and of rows. */
 HK_INLINE void lower(int n, hk_rigid_rows L, double *b) {
-  for (int k = 0; k + 1 < n; k++)
-    for (int q = k + 1; q < n; q++) b[q] -= L[k][q] * b[k];
+  for (int q = 1; q < n; q++)
+    for (int k = 0; k < q; k++) b[q] -= L[k][q] * b[k];
 }
 
 HK_INLINE void lower_rows(int n, hk_rigid_rows L, hk_rigid_rows b) {
-  for (int k = 0; k + 1 < n; k++)
-    for (int q = k + 1; q < n; q++) *row(b[q]) -= L[k][q] * *row(b[k]);
+  for (int q = 1; q < n; q++)
+    for (int k = 0; k < q; k++) add_row(b[q], -L[k][q], b[k]);
 }
 
 /* b := L^-T b */
@@ -131,33 +149,26 @@ HK_INLINE void transpose(int n, hk_rigid_rows from, int m, hk_rigid_rows to) {
     for (int r = 0; r < n; r++) to[c][r] = from[r][c];
 }
 
-/* to += the sum of b[k] times row k */
-HK_INLINE void add_rows(int count, hk_rigid_rows rows, const double *b, double *to) {
-  lanes sum = *row(to);
-  for (int k = 0; k < count; k++) sum += b[k] * *row(rows[k]);
-  *row(to) = sum;
-}
-
 /* ---- from the leaves to the roots, and back ---- */
 
 /* What an eliminated link leaves to the parent: the sum of its rows' squares over the pivots. */
 HK_INLINE void add_to_parent(hk_rigid_node *n, hk_rigid_node *parent, int rows) {
   for (int p = 0; p < 6; p++) {
-    lanes sum = *row(parent->body[p]);
-    for (int r = 0; r < rows; r++) sum += n->other[r][p] * n->link_pivot[r] * *row(n->other[r]);
-    *row(parent->body[p]) = sum;
+    double part[HK_RIGID_ROWS];
+    for (int r = 0; r < rows; r++) part[r] = n->other_across[p][r] * n->link_pivot[r];
+    add_rows(rows, n->other, part, parent->body[p]);
   }
 }
 
 HK_INLINE bool factorize_link(hk_rigid_node *n, hk_rigid_node *parent, int rows) {
   transpose(rows, n->own, 6, n->own_across);
   lower_rows(6, n->body, n->own_across);
-  for (int r = 0; r < rows; r++) {
-    lanes sum = {0};
-    for (int c = 0; c < 6; c++) sum += n->own_across[c][r] * n->body_pivot[c] * *row(n->own_across[c]);
-    *row(n->link[r]) = sum;
-  }
   transpose(6, n->own_across, rows, n->own);
+  for (int r = 0; r < rows; r++) {
+    double part[HK_RIGID_ROWS];
+    for (int c = 0; c < 6; c++) part[c] = n->own[r][c] * n->body_pivot[c], n->link[r][c] = 0;
+    add_rows(6, n->own_across, part, n->link[r]);
+  }
   if (!factorize_rows(rows, n->link, n->link_pivot)) return false;
   if (!parent) return true;
   lower_rows(rows, n->link, n->other);
@@ -168,12 +179,12 @@ HK_INLINE bool factorize_link(hk_rigid_node *n, hk_rigid_node *parent, int rows)
 
 /* link_part = G^-1 (-g - J A^-1 wrench), whose part goes over to the parent's wrench. */
 HK_INLINE void gather_link(hk_rigid_node *n, hk_rigid_node *parent, int rows, const double *g) {
-  double part[HK_RIGID_WIDE], sum[HK_RIGID_WIDE] = {0};
+  double part[HK_RIGID_ROWS], sum[HK_RIGID_ROWS] = {0};
   for (int c = 0; c < 6; c++) part[c] = -n->body_part[c] * n->body_pivot[c];
   for (int r = 0; r < rows; r++) sum[r] = -g[r];
   add_rows(6, n->own_across, part, sum);
   lower(rows, n->link, sum);
-  *row(n->link_part) = *row(sum);
+  memcpy(n->link_part, sum, sizeof sum);
   if (!parent) return;
   for (int r = 0; r < rows; r++) part[r] = sum[r] * n->link_pivot[r];
   add_rows(rows, n->other, part, parent->wrench);
@@ -181,8 +192,8 @@ HK_INLINE void gather_link(hk_rigid_node *n, hk_rigid_node *parent, int rows, co
 
 /* The multipliers G^-T E^-1 (link_part - G^-1 J' u), u the parent's twist, and what they do to the body. */
 HK_INLINE void spread_link(hk_rigid_node *n, const hk_rigid_node *parent, int rows) {
-  double part[HK_RIGID_WIDE], by[6];
-  *row(part) = *row(n->link_part);
+  double part[HK_RIGID_ROWS], by[HK_RIGID_ROWS];
+  memcpy(part, n->link_part, sizeof part);
   for (int c = 0; c < 6 && parent; c++) by[c] = -parent->twist[c];
   if (parent) add_rows(6, n->other_across, by, part);
   for (int r = 0; r < rows; r++) part[r] *= n->link_pivot[r];
@@ -215,13 +226,13 @@ HK_INLINE bool factorize(hk_rigid_node *list, size_t count) {
 
 HK_INLINE void solve(hk_rigid_node *list, size_t count, const double *g) {
   for (hk_rigid_node *n = list + count; n-- > list;) {
-    *row(n->body_part) = *row(n->wrench);
+    memcpy(n->body_part, n->wrench, sizeof n->body_part);
     lower(6, n->body, n->body_part);
     if (n->rows) HK_EACH_ROWS(HK_GATHER, n, parent_of(list, n), g + n->row);
   }
   for (hk_rigid_node *n = list; n < list + count; n++) {
     if (n->rows) HK_EACH_ROWS(spread_link, n, parent_of(list, n));
-    *row(n->twist) = *row(n->body_part) * *row(n->body_pivot);
+    for (int c = 0; c < 6; c++) n->twist[c] = n->body_part[c] * n->body_pivot[c];
     upper(6, n->body, n->twist);
   }
 }
