@@ -76,6 +76,7 @@ void hk_riders_gather(const hk_model *m, double *F) {
   for (size_t k = 0; k < m->riders; k++) {
     const hk_rider *r = &m->rider[k];
     double *own = F + 3 * (size_t)r->particle;
+    if (own[0] == 0 && own[1] == 0 && own[2] == 0) continue;
     for (uint32_t c = 0; c < r->carriers; c++) {
       double *at = F + 3 * (size_t)r->carrier[c];
       for (int e = 0; e < 3; e++) at[e] += r->weight[c] * own[e];
