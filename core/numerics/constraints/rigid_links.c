@@ -31,17 +31,11 @@ typedef struct joined {
   size_t block; /* its first, among those that plugins name */
 } joined;
 
-/* A block of an equation of a link: of the body of the node, or of its parent. */
-typedef struct term {
-  uint32_t block, particle, node, row;
-  bool other;
-} term;
-
 struct hk_rigid_links {
   size_t nodes, rows, terms;
   hk_rigid_node *node;
   uint32_t *equation; /* rows */
-  term *term;
+  hk_rigid_term *term;
   double *g;          /* rows */
   double *all;        /* bundles: the multipliers of SHAKE's rounds, 6 x HK_RIGID_BUNDLE each */
   double (*moved)[6]; /* nodes: the sum of the rounds' ways */
@@ -195,7 +189,7 @@ static void add_terms(search *s, uint32_t node, const joined *row, uint32_t numb
   for (size_t b = row->block; b < s->blocks && s->pair[b][0] == row->equation; b++) {
     uint32_t group = group_of(s, s->pair[b][1]);
     if (group == HK_RIGID_NOTHING) continue;
-    l->term[l->terms++] = (term){(uint32_t)b, s->pair[b][1], node, number, s->node_of[group] != node};
+    l->term[l->terms++] = (hk_rigid_term){(uint32_t)b, s->pair[b][1], node, number, s->node_of[group] != node};
   }
 }
 
@@ -287,29 +281,12 @@ static bool begin(hk_dynamics *d, hk_rigid_links *l, double t, double *x) {
     *d->error = before; /* the general way meets it again, and says so */
     return false;
   }
-  for (size_t k = 0; k < l->nodes; k++) hk_rigid_node_place(&l->node[k], x);
-  for (size_t k = 0; k < l->terms; k++) {
-    const term *e = &l->term[k];
-    hk_rigid_node *link = &l->node[e->node], *body = e->other ? &l->node[link->parent] : link;
-    hk_rigid_node_add(body, x, x + 3 * (size_t)e->particle, J[e->block], (e->other ? link->other : link->own)[e->row]);
-  }
+  hk_rigid_tree_place(l->node, l->nodes, l->term, l->terms, x, J);
   if (!hk_rigid_tree_factorize(d->shared->lanes, l->node, l->nodes)) return false;
   memcpy(l->kept_x, x, 3 * n * sizeof *x);
   l->kept_t = t;
   l->kept = true;
   return true;
-}
-
-/* vector += the motion of the bodies by their twists, n x 3. */
-static void turn(const hk_rigid_node *n, const double twist[6], double by, double *vector) {
-  const double *w = twist + 3;
-  for (int k = 0; k < n->size; k++) {
-    const double *r = n->at[k];
-    double *to = vector + 3 * (size_t)n->particle[k];
-    to[0] += by * (twist[0] + (w[1] * r[2] - w[2] * r[1]));
-    to[1] += by * (twist[1] + (w[2] * r[0] - w[0] * r[2]));
-    to[2] += by * (twist[2] + (w[0] * r[1] - w[1] * r[0]));
-  }
 }
 
 static double extent(const hk_rigid_links *l, const double *x) {
@@ -350,7 +327,7 @@ static void move_links(hk_dynamics *d, hk_rigid_links *l, double *x) {
   for (size_t k = 0; k < l->nodes; k++) memset(l->node[k].wrench, 0, sizeof l->node[k].wrench);
   hk_rigid_tree_solve(d->shared->lanes, l->node, l->nodes, l->g);
   for (size_t k = 0; k < l->nodes; k++) {
-    turn(&l->node[k], l->node[k].twist, 1, x);
+    hk_rigid_node_turn(&l->node[k], l->node[k].twist, 1, x);
     for (int c = 0; c < 6; c++) l->moved[k][c] += l->node[k].twist[c];
   }
 }
@@ -361,7 +338,7 @@ static void push(hk_dynamics *d, const hk_rigid_links *l, const hk_rigid_bundle 
                  const hk_rattle_step *s) {
   for (size_t k = 0; k < bundles; k++)
     hk_rigid_bundle_push(d->shared->lanes, &bundle[k], s->from, l->all + 6 * HK_RIGID_BUNDLE * k, 1 / s->h, s->v);
-  for (size_t k = 0; k < l->nodes; k++) turn(&l->node[k], l->moved[k], 1 / s->h, s->v);
+  for (size_t k = 0; k < l->nodes; k++) hk_rigid_node_turn(&l->node[k], l->moved[k], 1 / s->h, s->v);
 }
 
 bool hk_rigid_links_shake(hk_dynamics *d, hk_rigid_links *l, const hk_rigid_bundle *bundle, size_t bundles,
@@ -399,7 +376,7 @@ bool hk_rigid_links_rattle(hk_dynamics *d, hk_rigid_links *l, double t, double *
   for (size_t k = 0; k < l->nodes; k++) {
     const hk_rigid_node *n = &l->node[k];
     for (int i = 0; i < n->size; i++) memset(v + 3 * (size_t)n->particle[i], 0, 3 * sizeof *v);
-    turn(n, n->twist, 1, v);
+    hk_rigid_node_turn(n, n->twist, 1, v);
   }
   hk_riders_follow(d->constraints->model, v);
   return true;

@@ -70,12 +70,20 @@ typedef struct hk_rigid_node {
   double twist[HK_RIGID_ROWS];                                 /* the solution */
 } hk_rigid_node;
 
-/* mass, at and the inertia of a node whose particles are at x, n x 3; own and other become zeros. */
-void hk_rigid_node_place(hk_rigid_node *, const double *x);
-/* The wrench of the force J on a particle or rider of the body at `at`, added to a row. */
-void hk_rigid_node_add(const hk_rigid_node *, const double *x, const double *at, const double J[3], double *row);
+/* A block of an equation of the link of a node: its gradient with respect to a particle or rider of the node's body or,
+ * `other`, of its parent. */
+typedef struct hk_rigid_term {
+  uint32_t block, particle, node, row;
+  bool other;
+} hk_rigid_term;
+
+/* Nodes of bodies whose particles are at x, n x 3, with the gradients J of blocks. */
+void hk_rigid_tree_place(hk_rigid_node *, size_t count, const hk_rigid_term *, size_t terms, const double *x,
+                         double (*J)[3]);
 /* `wrench` becomes the momentum of velocities v, n x 3, and the angular momentum about the centre of mass. */
 void hk_rigid_node_take(hk_rigid_node *, const double *v);
+/* vector, n x 3, += `by` times the motion of the body's particles by a twist. */
+void hk_rigid_node_turn(const hk_rigid_node *, const double twist[6], double by, double *vector);
 /* The factors of all nodes, which have been placed; false: equations of a link follow from others. */
 bool hk_rigid_tree_factorize(int width, hk_rigid_node *, size_t count);
 /* The twists u that make u.M u/2 - wrench.u least among those with J u = -g, where g has a number for each row. */

@@ -47,7 +47,7 @@ static void find_inertia(hk_rigid_node *n, double mass, double I[6]) {
   I[0] = I[2] = I[5] = about;
 }
 
-void hk_rigid_node_place(hk_rigid_node *n, const double *x) {
+static void place(hk_rigid_node *n, const double *x) {
   double mass = 0, center[3] = {0, 0, 0}, I[6];
   const double *from = x + 3 * (size_t)n->particle[0];
   for (int k = 0; k < n->size; k++) {
@@ -68,7 +68,8 @@ void hk_rigid_node_place(hk_rigid_node *n, const double *x) {
     for (int q = 0; q <= p; q++) n->body[3 + p][3 + q] = n->body[3 + q][3 + p] = I[at++];
 }
 
-void hk_rigid_node_add(const hk_rigid_node *n, const double *x, const double *at, const double J[3], double *row) {
+/* Adds the wrench of the force J at the place `at`. */
+static void add_wrench(const hk_rigid_node *n, const double *x, const double *at, const double J[3], double *row) {
   const double *first = x + 3 * (size_t)n->particle[0];
   double r[3];
   for (int c = 0; c < 3; c++) r[c] = at[c] - first[c] + n->at[0][c];
@@ -76,6 +77,27 @@ void hk_rigid_node_add(const hk_rigid_node *n, const double *x, const double *at
   row[3] += r[1] * J[2] - r[2] * J[1];
   row[4] += r[2] * J[0] - r[0] * J[2];
   row[5] += r[0] * J[1] - r[1] * J[0];
+}
+
+void hk_rigid_tree_place(hk_rigid_node *list, size_t count, const hk_rigid_term *term, size_t terms, const double *x,
+                         double (*J)[3]) {
+  for (size_t k = 0; k < count; k++) place(&list[k], x);
+  for (const hk_rigid_term *e = term; e < term + terms; e++) {
+    hk_rigid_node *link = &list[e->node];
+    const hk_rigid_node *body = e->other ? &list[link->parent] : link;
+    add_wrench(body, x, x + 3 * (size_t)e->particle, J[e->block], (e->other ? link->other : link->own)[e->row]);
+  }
+}
+
+void hk_rigid_node_turn(const hk_rigid_node *n, const double twist[6], double by, double *vector) {
+  const double *w = twist + 3;
+  for (int k = 0; k < n->size; k++) {
+    const double *r = n->at[k];
+    double *to = vector + 3 * (size_t)n->particle[k];
+    to[0] += by * (twist[0] + (w[1] * r[2] - w[2] * r[1]));
+    to[1] += by * (twist[1] + (w[2] * r[0] - w[0] * r[2]));
+    to[2] += by * (twist[2] + (w[0] * r[1] - w[1] * r[0]));
+  }
 }
 
 void hk_rigid_node_take(hk_rigid_node *n, const double *v) {
