@@ -50,6 +50,7 @@ hk_status hk_riders_open(hk_state *s, hk_error *error) {
     *r = p->rider[k];
     r->particle = index_of(s, r->particle);
     for (uint32_t c = 0; c < r->carriers; c++) r->carrier[c] = index_of(s, r->carrier[c]);
+    for (uint32_t c = r->carriers; c < HK_CARRIERS; c++) r->carrier[c] = r->carrier[0], r->weight[c] = 0;
     s->pin[r->particle] = HK_PIN_RIDES;
     mark_inside(s, r);
   }
@@ -60,15 +61,13 @@ hk_status hk_riders_open(hk_state *s, hk_error *error) {
   return HK_OK;
 }
 
-/* x of each rider becomes the combination of its carriers'. */
+/* x of each rider becomes the combination of its carriers'. Carriers beyond its own weigh nothing. */
 void hk_riders_follow(const hk_model *m, double *x) {
-  for (size_t k = 0; k < m->riders; k++) {
-    const hk_rider *r = &m->rider[k];
-    double sum[3] = {0, 0, 0};
-    for (uint32_t c = 0; c < r->carriers; c++) {
-      const double *at = x + 3 * (size_t)r->carrier[c];
-      for (int e = 0; e < 3; e++) sum[e] += r->weight[c] * at[e];
-    }
+  for (const hk_rider *r = m->rider, *end = r + m->riders; r < end; r++) {
+    const double *a = x + 3 * (size_t)r->carrier[0], *b = x + 3 * (size_t)r->carrier[1], *w = r->weight;
+    const double *c = x + 3 * (size_t)r->carrier[2], *d = x + 3 * (size_t)r->carrier[3];
+    double sum[3];
+    for (int e = 0; e < 3; e++) sum[e] = w[0] * a[e] + w[1] * b[e] + w[2] * c[e] + w[3] * d[e];
     memcpy(x + 3 * (size_t)r->particle, sum, sizeof sum);
   }
 }
@@ -77,6 +76,7 @@ void hk_riders_gather(const hk_model *m, double *F) {
   for (size_t k = 0; k < m->riders; k++) {
     const hk_rider *r = &m->rider[k];
     double *own = F + 3 * (size_t)r->particle;
+    if (own[0] == 0 && own[1] == 0 && own[2] == 0) continue;
     for (uint32_t c = 0; c < r->carriers; c++) {
       double *at = F + 3 * (size_t)r->carrier[c];
       for (int e = 0; e < 3; e++) at[e] += r->weight[c] * own[e];
@@ -124,7 +124,7 @@ hk_status hk_riders_remap(hk_state *s, const uint32_t *map, hk_error *error) {
     hk_rider r = s->rider[k];
     r.particle = map[r.particle];
     if (r.particle == UINT32_MAX) continue;
-    if (has_lost(map, r.carriers, r.carrier))
+    if (has_lost(map, HK_CARRIERS, r.carrier))
       return hk_error_set(error, HK_FAILED,
                           "particle %u is a point of a rigid body of which a source has removed a part: remove all of "
                           "the body, or nothing",

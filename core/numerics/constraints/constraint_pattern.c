@@ -145,12 +145,6 @@ static void find_pins(hk_dynamics *d, uint32_t (*pin_of)[2]) {
   }
 }
 
-bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
-  if (pin == UINT32_MAX) return false;
-  const hk_pin_spec *spec = d->pins->item[pin].spec;
-  return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
-}
-
 /* Sorts blocks by particle: those of particle i are order[start[i]..start[i+1]]. On entry `start` is n + 2 zeros. */
 static void by_particle(const hk_dynamics *d, size_t *start, uint32_t *order) {
   const hk_constraints *c = d->constraints;

@@ -335,7 +335,7 @@ static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double
                        double *work) {
   const hk_system *s = &d->system;
   hk_constraints *c = d->constraints;
-  if (c->groups && hk_rigid_groups_shake(d, from, h, x, v)) return HK_OK;
+  if (c->groups && hk_rigid_groups_shake(d, t0, from, t, h, x, v)) return HK_OK;
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
   int slowly = 0;
@@ -379,7 +379,7 @@ hk_status hk_constraints_shake(hk_system *s, double t, double *from, double h, d
 
 static hk_status rattle(hk_dynamics *d, double t, double *x, double h, double *v, double *work) {
   hk_constraints *c = d->constraints;
-  if (c->groups) return hk_rigid_groups_rattle(d, x, h, v);
+  if (c->groups && hk_rigid_groups_rattle(d, t, x, h, v)) return HK_OK;
   hk_status status = begin(d, t, x, v);
   if (status != HK_OK) return status;
   hk_constraint_rate(c, v, c->c, NULL);

@@ -25,19 +25,25 @@ hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, doub
   return status;
 }
 
-hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
+hk_status hk_constraint_gradients(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
   const hk_constraints *c = d->constraints;
-  const bool rides = c->riding.given > 0;
+  const size_t *first = c->riding.given ? c->riding.first : c->block_first;
   hk_status status = HK_OK;
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
     const hk_instance *outer = hk_enter(instance);
-    status = instance->plugin->constraint->jacobian(instance->self, &view,
-                                                    rides ? c->riding.J + c->riding.first[k] : J + c->block_first[k]);
+    status = instance->plugin->constraint->jacobian(instance->self, &view, J + first[k]);
     hk_leave(instance, outer);
     status = hk_constraint_failed(d, instance, t, status);
   }
+  return status;
+}
+
+hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
+  const hk_constraints *c = d->constraints;
+  const bool rides = c->riding.given > 0;
+  hk_status status = hk_constraint_gradients(d, t, x, v, rides ? c->riding.J : J);
   if (rides && status == HK_OK) hk_rider_blocks_carry(c, J);
   return status;
 }

@@ -43,6 +43,14 @@ typedef struct hk_constraint_entry {
 } hk_constraint_entry;
 
 typedef struct hk_rigid_groups hk_rigid_groups;
+typedef struct hk_rigid_links hk_rigid_links;
+struct hk_rigid_group;
+struct hk_rigid_bundle;
+
+/* What SHAKE works on: a step of h s, from `from` at t_from to x and v at t, n x 3 each. */
+typedef struct hk_rattle_step {
+  double t_from, t, h, *from, *x, *v;
+} hk_rattle_step;
 
 struct hk_constraints {
   hk_constraint_table table; /* hk_system.constraint */
@@ -52,7 +60,8 @@ struct hk_constraints {
   hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
   double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
   hk_rider_blocks riding;
-  hk_rigid_groups *groups; /* all equations are of free rigid groups; NULL: they are solved together */
+  hk_rigid_groups *groups; /* all equations are of free rigid groups, or join them as trees; NULL: they are solved
+                              together */
   const hk_model *model;
   uint32_t *pin, *place;  /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
   hk_block_matrix matrix; /* pattern of A: 1 x 1 blocks; the diagonal is named first */
@@ -123,6 +132,8 @@ hk_status hk_constraint_failed(hk_dynamics *, const hk_instance *, double t, hk_
 hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const double *v);     /* g */
 hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
 hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
+hk_status hk_constraint_gradients(hk_dynamics *, double t, const double *x, const double *v,
+                                  double (*J)[3]); /* of the blocks that plugins name */
 hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
 int hk_constraint_order(const hk_dynamics *);                         /* of the scene's method; 0: it has none */
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
@@ -166,7 +177,11 @@ hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every
 void hk_constraint_matrix_free(hk_constraints *);
 
 /* Whether that pin, UINT32_MAX: none, holds its particles to the end of the run, so that they join no equations. */
-bool hk_constraint_held(const hk_dynamics *, uint32_t pin);
+static inline bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
+  if (pin == UINT32_MAX) return false;
+  const hk_pin_spec *spec = d->pins->item[pin].spec;
+  return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
+}
 
 /* ---- rider_blocks.c ---- */
 
@@ -180,8 +195,22 @@ void hk_rider_blocks_free(hk_rider_blocks *);
 hk_status hk_rigid_groups_find(hk_dynamics *); /* at the state; HK_NO_MEMORY */
 void hk_rigid_groups_close(hk_constraints *);
 /* As hk_constraint_table.shake and .rattle, where there are groups; all of n x 3. False: one did not converge. */
-bool hk_rigid_groups_shake(hk_dynamics *, double *from, double h, double *x, double *v);
-hk_status hk_rigid_groups_rattle(hk_dynamics *, double *x, double h, double *v);
+bool hk_rigid_groups_shake(hk_dynamics *, double t_from, double *from, double t, double h, double *x, double *v);
+/* False: equations follow from others at this place, and v is as it was. */
+bool hk_rigid_groups_rattle(hk_dynamics *, double t, double *x, double h, double *v);
+
+/* ---- rigid_links.c ---- */
+
+/* The links by which all equations but those with `kept`, distances within the `count` groups, join these; of: n, the
+ * group of a particle or UINT32_MAX; bundles: how many the groups fill. *links NULL: they are no trees. HK_NO_MEMORY.
+ */
+hk_status hk_rigid_links_find(const hk_dynamics *, const struct hk_rigid_group *, size_t count, const uint32_t *of,
+                              const bool *kept, size_t bundles, hk_rigid_links **links);
+void hk_rigid_links_close(hk_rigid_links *);
+/* As the former two, of the bundles of those groups. */
+bool hk_rigid_links_shake(hk_dynamics *, hk_rigid_links *, const struct hk_rigid_bundle *, size_t bundles,
+                          const hk_rattle_step *);
+bool hk_rigid_links_rattle(hk_dynamics *, hk_rigid_links *, double t, double *x, double *v);
 
 /* ---- constraint_matrix.c ---- */
 
@@ -222,13 +251,10 @@ hk_status hk_constraints_impact(hk_dynamics *, double t, double *x, double *v, d
 const hk_body_service *hk_bodies_table(hk_dynamics *); /* NULL: no memory */
 void hk_bodies_close(hk_dynamics *);
 
-/* ---- release_lists.c ---- */
+/* ---- release.c ---- */
 
 hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
 void hk_releases_close(hk_releases *);
-
-/* ---- release.c ---- */
-
 void hk_release_begin(hk_constraints *); /* of a step */
 /* After an evaluation, of the equations that touch; at_start: of the state that the step starts from. */
 void hk_release_note(hk_constraints *, bool at_start);

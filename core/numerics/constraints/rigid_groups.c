@@ -1,7 +1,8 @@
 /* Finds the free rigid groups of a scene, and keeps them by the loops of rigid/rigid.c. They are used where all
- * equations of the scene are of such groups: distances (HK_DISTANCES) between two to four particles that nothing pins
- * or rides, all of them kept, and masses that are known. Otherwise, and where a group does not converge, the equations
- * are solved together (constraint_projection.c), which goes on from where this stopped. */
+ * equations of the scene are of such groups: distances (HK_DISTANCES) between two to four particles that nothing pins,
+ * all of them kept, and masses that are known; or where all others join groups as trees (rigid_links.c). Otherwise, and
+ * where a group does not converge, the equations are solved together (constraint_projection.c), which goes on from
+ * where this stopped. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/constraints/constraints.h"
 #include "core/numerics/rigid/rigid.h"
@@ -14,24 +15,24 @@ enum { MOST = 4, GRAIN = 32 }; /* particles of a group; bundles of a chunk */
 struct hk_rigid_groups {
   size_t bundles;
   hk_rigid_bundle *bundle;
+  hk_rigid_links *links; /* NULL: no equation is of two groups */
 };
 
-/* One group, by rising particles. */
-typedef struct group {
-  int size, pairs;
-  uint32_t particle[MOST], equation[MOST][MOST];
-  double square[MOST][MOST];
-} group;
+typedef hk_rigid_group group;
 
 typedef struct search {
   const hk_dynamics *d;
-  size_t count;
+  size_t count, kept_count;
   group *list;
   uint32_t *of; /* n: the group of a particle; UINT32_MAX: none */
+  bool *kept;   /* equations: whether it is a distance within a group */
 } search;
 
 void hk_rigid_groups_close(hk_constraints *c) {
-  if (c->groups) free(c->groups->bundle);
+  if (c->groups) {
+    free(c->groups->bundle);
+    hk_rigid_links_close(c->groups->links);
+  }
   free(c->groups);
   c->groups = NULL;
 }
@@ -84,15 +85,37 @@ static bool is_free(const hk_dynamics *d, uint32_t i) {
   return d->state->pin[i] == HK_FREE && d->state->inverse_mass[i] > 0;
 }
 
-static bool find_groups(search *s) {
+/* The pairs of particles of the equations as plugins name them. */
+static uint32_t (*named_blocks(const hk_constraints *c, size_t *count, const size_t **first))[2] {
+  *count = c->riding.given ? c->riding.given : c->blocks;
+  *first = c->riding.given ? c->riding.first : c->block_first;
+  return c->riding.given ? c->riding.pair : c->list.pair;
+}
+
+/* The equations of constraint k, whose lengths are known, that are between free particles. */
+static bool add_pairs(search *s, size_t k) {
   const hk_constraints *c = s->d->constraints;
-  if (c->blocks != 2 * c->equations || c->riding.given) return false;
-  for (size_t e = 0; e < c->equations; e++) {
-    const uint32_t i = c->list.pair[2 * e][1], j = c->list.pair[2 * e + 1][1];
-    if (c->list.pair[2 * e][0] != e || c->list.pair[2 * e + 1][0] != e || i == j || c->implied[e]) return false;
-    if (!is_free(s->d, i) || !is_free(s->d, j) || !add_ends(s, i, j)) return false;
+  const size_t *first, equations = c->equation_first[k + 1] - c->equation_first[k];
+  size_t count;
+  uint32_t(*pair)[2] = named_blocks(c, &count, &first);
+  if (first[k + 1] - first[k] != 2 * equations) return false;
+  for (size_t b = first[k], e = c->equation_first[k]; b < first[k + 1]; b += 2, e++) {
+    const uint32_t i = pair[b][1], j = pair[b + 1][1];
+    if (pair[b][0] != e || pair[b + 1][0] != e || i == j) return false;
+    s->kept[e] = is_free(s->d, i) && is_free(s->d, j);
+    if (s->kept[e] && !add_ends(s, i, j)) return false;
+    s->kept_count += s->kept[e];
   }
   return true;
+}
+
+static bool find_groups(search *s) {
+  const hk_constraints *c = s->d->constraints;
+  for (size_t e = 0; e < c->equations; e++)
+    if (c->implied[e]) return false;
+  for (size_t k = 0; k < s->d->plugins->kind[HK_CONSTRAINT].count; k++)
+    if (lengths_of(s->d, k) && !add_pairs(s, k)) return false;
+  return s->kept_count > 0;
 }
 
 static void swap(uint32_t *a, uint32_t *b) {
@@ -105,20 +128,27 @@ static void sort_particles(group *g) {
     for (int j = i; j > 0 && g->particle[j] < g->particle[j - 1]; j--) swap(&g->particle[j], &g->particle[j - 1]);
 }
 
+static bool take_length(search *s, size_t e, uint32_t (*pair)[2], double length) {
+  group *g = &s->list[s->of[pair[0][1]]];
+  int i = place_of(g, pair[0][1]), j = place_of(g, pair[1][1]);
+  if (g->square[i][j] > 0) return false; /* given twice */
+  g->square[i][j] = g->square[j][i] = length * length;
+  g->equation[i][j] = g->equation[j][i] = (uint32_t)e;
+  g->pairs++;
+  return true;
+}
+
 static bool take_lengths(search *s) {
   const hk_constraints *c = s->d->constraints;
+  const size_t *first;
+  size_t count;
+  uint32_t(*pair)[2] = named_blocks(c, &count, &first);
   for (size_t g = 0; g < s->count; g++) sort_particles(&s->list[g]);
   for (size_t k = 0; k < s->d->plugins->kind[HK_CONSTRAINT].count; k++) {
     const hk_per_tuple *lengths = lengths_of(s->d, k);
-    if (!lengths) return false;
     for (size_t e = c->equation_first[k]; e < c->equation_first[k + 1]; e++) {
-      group *g = &s->list[s->of[c->list.pair[2 * e][1]]];
-      int i = place_of(g, c->list.pair[2 * e][1]), j = place_of(g, c->list.pair[2 * e + 1][1]);
-      double length = hk_tuple_value(lengths, e - c->equation_first[k]);
-      if (g->square[i][j] > 0) return false; /* given twice */
-      g->square[i][j] = g->square[j][i] = length * length;
-      g->equation[i][j] = g->equation[j][i] = (uint32_t)e;
-      g->pairs++;
+      size_t at = e - c->equation_first[k];
+      if (s->kept[e] && !take_length(s, e, pair + first[k] + 2 * at, hk_tuple_value(lengths, at))) return false;
     }
   }
   for (size_t g = 0; g < s->count; g++)
@@ -151,27 +181,62 @@ static bool fill(const search *s, hk_rigid_groups *into) {
   return fine;
 }
 
+/* Free particles of other equations are groups by themselves. */
+static void add_singles(search *s) {
+  const hk_constraints *c = s->d->constraints;
+  const size_t *first;
+  size_t count;
+  uint32_t(*pair)[2] = named_blocks(c, &count, &first);
+  for (size_t b = 0; b < count; b++) {
+    uint32_t i = pair[b][1];
+    if (s->of[i] != UINT32_MAX || !is_free(s->d, i)) continue;
+    s->of[i] = (uint32_t)s->count;
+    s->list[s->count++] = (group){.size = 1, .particle = {i}};
+  }
+}
+
+static hk_status make_links(search *s) {
+  const hk_constraints *c = s->d->constraints;
+  if (s->kept_count == c->equations) return HK_OK;
+  hk_status status =
+      hk_rigid_links_find(s->d, s->list, s->count, s->of, s->kept, c->groups->bundles, &c->groups->links);
+  if (!c->groups->links) hk_rigid_groups_close(s->d->constraints);
+  return status;
+}
+
 /* The bundles of the groups that were found; without groups there are none. */
 static hk_status make_bundles(search *s) {
   hk_constraints *c = s->d->constraints;
   if (!find_groups(s) || !take_lengths(s)) return HK_OK;
+  add_singles(s);
   c->groups = calloc(1, sizeof *c->groups);
   if (c->groups) c->groups->bundle = calloc(s->count / HK_RIGID_BUNDLE + MOST, sizeof *c->groups->bundle);
   if (!c->groups || !c->groups->bundle) return HK_NO_MEMORY;
   if (!fill(s, c->groups)) hk_rigid_groups_close(c);
-  return HK_OK;
+  return c->groups ? make_links(s) : HK_OK;
+}
+
+/* Equations that hold with equality and do not change with time. */
+static bool is_constant(const hk_dynamics *d) {
+  const hk_constraints *c = d->constraints;
+  bool constant = c->one_sided_count == 0 && !c->has_speed && !d->pins->has_paths && !d->pins->has_slides;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++)
+    constant &= d->plugins->kind[HK_CONSTRAINT].item[k]->spec->timed_count == 0;
+  return constant;
 }
 
 hk_status hk_rigid_groups_find(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_rigid_groups_close(c);
-  if (c->equations == 0 || c->one_sided_count > 0 || d->pins->has_paths || d->pins->has_slides) return HK_OK;
-  search s = {.d = d, .list = calloc(c->equations + 1, sizeof *s.list)};
+  if (c->equations == 0 || !is_constant(d)) return HK_OK;
+  search s = {.d = d, .list = calloc(c->equations + d->state->model.n + 1, sizeof *s.list)};
   s.of = malloc((d->state->model.n + 1) * sizeof *s.of);
+  s.kept = calloc(c->equations + 1, sizeof *s.kept);
   if (s.of) memset(s.of, 0xff, d->state->model.n * sizeof *s.of);
-  hk_status status = s.list && s.of ? make_bundles(&s) : HK_NO_MEMORY;
+  hk_status status = s.list && s.of && s.kept ? make_bundles(&s) : HK_NO_MEMORY;
   free(s.list);
   free(s.of);
+  free(s.kept);
   return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "no memory for the rigid groups of the constraints");
 }
 
@@ -199,7 +264,7 @@ static void rattle_chunk(void *context, size_t begin, size_t end, size_t chunk) 
     hk_rigid_bundle_rattle(w->lanes, &w->groups->bundle[k], w->x, 2 / w->h, w->v, w->lambda);
 }
 
-bool hk_rigid_groups_shake(hk_dynamics *d, double *from, double h, double *x, double *v) {
+static bool shake_groups(hk_dynamics *d, double *from, double h, double *x, double *v) {
   work w = {d->constraints->groups, d->shared->lanes, h, from, x, v, NULL, false};
   hk_threads_for(d->shared->threads, w.groups->bundles, GRAIN, shake_chunk, &w);
   hk_riders_follow(d->constraints->model, x);
@@ -207,9 +272,20 @@ bool hk_rigid_groups_shake(hk_dynamics *d, double *from, double h, double *x, do
   return !w.failed;
 }
 
-hk_status hk_rigid_groups_rattle(hk_dynamics *d, double *x, double h, double *v) {
+static void rattle_groups(hk_dynamics *d, double *x, double h, double *v) {
   work w = {d->constraints->groups, d->shared->lanes, h, NULL, x, v, d->constraints->lambda, false};
   hk_threads_for(d->shared->threads, w.groups->bundles, GRAIN, rattle_chunk, &w);
   hk_riders_follow(d->constraints->model, v);
-  return HK_OK;
+}
+
+bool hk_rigid_groups_shake(hk_dynamics *d, double t_from, double *from, double t, double h, double *x, double *v) {
+  const hk_rigid_groups *g = d->constraints->groups;
+  if (!g->links) return shake_groups(d, from, h, x, v);
+  return hk_rigid_links_shake(d, g->links, g->bundle, g->bundles, &(hk_rattle_step){t_from, t, h, from, x, v});
+}
+
+bool hk_rigid_groups_rattle(hk_dynamics *d, double t, double *x, double h, double *v) {
+  if (d->constraints->groups->links) return hk_rigid_links_rattle(d, d->constraints->groups->links, t, x, v);
+  rattle_groups(d, x, h, v);
+  return true;
 }

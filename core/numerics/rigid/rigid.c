@@ -143,6 +143,34 @@ HK_INLINE bool shake(const hk_rigid_bundle *b, int k, int e, const double *from,
   return true;
 }
 
+/* One round from y along the differences at `from`; `all` grows by it. The largest |g| before it. */
+HK_INLINE double round_of(const hk_rigid_bundle *b, int k, int e, const double *from, double *x, double *all) {
+  lanes y[4][3], d[6][3], r[6], left;
+  double most = 0;
+  load(b, k, from, y);
+  differences(e, y, d);
+  load(b, k, x, y);
+  find_violation(b, e, y, r, &left);
+  for (int l = 0; l < B; l++)
+    if (!(left[l] <= most) && !isnan(most)) most = left[l];
+  solve(b, e, r);
+  for (int p = 0; p < e; p++) *(lanes *)(all + p * B) += r[p];
+  move(b, e, d, r, y);
+  store(b, k, y, x);
+  return most;
+}
+
+HK_INLINE void push(const hk_rigid_bundle *b, int k, int e, const double *from, const double *all, double by,
+                    double *v) {
+  lanes y[4][3], d[6][3], r[6];
+  load(b, k, from, y);
+  differences(e, y, d);
+  for (int p = 0; p < e; p++) r[p] = *row(all + p * B) * by;
+  load(b, k, v, y);
+  move(b, e, d, r, y);
+  store(b, k, y, v);
+}
+
 HK_INLINE void rattle(const hk_rigid_bundle *b, int k, int e, const double *x, double by, double *v, double *lambda) {
   lanes y[4][3], d[6][3], w[6][3], r[6];
   load(b, k, x, y);
@@ -165,6 +193,22 @@ HK_VERSIONS(static bool, shake_any, (const hk_rigid_bundle *b, const double *fro
 
 HK_VERSIONS(static void, rattle_any, (const hk_rigid_bundle *b, const double *x, double by, double *v, double *lambda),
             HK_EACH_SIZE(rattle, x, by, v, lambda))
+
+HK_VERSIONS(static double, round_any, (const hk_rigid_bundle *b, const double *from, double *x, double *all),
+            return HK_EACH_SIZE(round_of, from, x, all))
+
+HK_VERSIONS(static void, push_any,
+            (const hk_rigid_bundle *b, const double *from, const double *all, double by, double *v),
+            HK_EACH_SIZE(push, from, all, by, v))
+
+double hk_rigid_bundle_round(int width, const hk_rigid_bundle *b, const double *from, double *x, double *all) {
+  return HK_WIDEST(width, round_any)(b, from, x, all);
+}
+
+void hk_rigid_bundle_push(int width, const hk_rigid_bundle *b, const double *from, const double *all, double by,
+                          double *v) {
+  HK_WIDEST(width, push_any)(b, from, all, by, v);
+}
 
 bool hk_rigid_bundle_shake(int width, const hk_rigid_bundle *b, const double *from, double h, double *x, double *v) {
   return HK_WIDEST(width, shake_any)(b, from, h, x, v);
