@@ -32,7 +32,7 @@ typedef struct work {
 } work;
 
 double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
-  double now = hk_rms(v, 3 * s->n);
+  double now = hk_rms_moving(s, v);
   if (now > w->speed) w->speed = now;
   return w->tolerance * w->speed;
 }
@@ -275,7 +275,7 @@ static hk_status next_direction(work *k, pace *p, double *size) {
   hk_status status = p->chord ? chord_direction(k) : newton_direction(k);
   if (status != HK_OK) return status;
   k->s->filter(k->s, k->dv);
-  *size = k->by_size ? hk_rms(k->dv, k->m) : energy_norm(k);
+  *size = k->by_size ? hk_rms_free(k->s, k->dv) : energy_norm(k);
   if (p->last > 0) p->rate = fmax(0.3 * p->rate, *size / p->last);
   if (p->last > 0 && p->chord) k->w->rate = p->rate;
   return isnan(*size) ? HK_NOT_FINITE : HK_OK;
@@ -312,7 +312,7 @@ static hk_status solve_channels(work *k) {
 
 static hk_status iterate(work *k) {
   const hk_stage *stage = k->stage;
-  double floor = rounding * (hk_rms(stage->X, k->m) / stage->g + hk_rms(stage->X + k->m, k->m));
+  double floor = rounding * (hk_rms_free(k->s, stage->X) / stage->g + hk_rms_moving(k->s, stage->X + k->m));
   double limit = stage->limit, size = 0;
   pace p = start_pace(k);
   for (int64_t i = 0; i < k->w->iterations; i++) {
@@ -321,7 +321,7 @@ static hk_status iterate(work *k) {
     if (status != HK_OK) return status;
     if (i == 0 && stage->fixed) limit = fmin(limit, fmax(drop, k->w->tolerance) * size);
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
-    bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
+    bool close = size * fmin(1, p.rate) <= limit || hk_rms_free(k->s, k->dv) <= floor;
     double alpha = 1;
     if (close) {
       status = safe_part(k, &alpha);
