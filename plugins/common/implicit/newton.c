@@ -17,6 +17,10 @@ enum { PATIENCE = 100 };
 
 static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1, drop = 1e-3;
 
+/* In contact an inexact direction is shortened where it meets a surface, and the next one costs a search for pairs: 20
+ * x 20 on a ball, 36 steps of a frame, take 552 iterations and 344 factorisations with this, 616 and 256 without. */
+static const double forcing_in_contact = 0.01;
+
 typedef struct work {
   hk_newton *w;
   hk_system *s;
@@ -134,14 +138,14 @@ static bool krylov(work *k) {
   double *r = k->r, *p = k->p, *q = k->q, *z = k->z;
   negate(r, k->R, m);
   memset(k->dv, 0, m * sizeof *k->dv);
-  double rz = 0, first = 0;
+  double rz = 0, first = 0, part = k->s->contact ? forcing_in_contact : forcing;
   for (int i = 0; i <= k->w->krylov_most; i++) {
     if (k->s->linear->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
     double next = hk_inner_product(r, z, m);
     if (!(next >= 0)) return false;
     if (i == 0) first = next;
-    if (next <= forcing * forcing * first) return true;
+    if (next <= part * part * first) return true;
     for (size_t e = 0; e < m; e++) p[e] = i == 0 ? z[e] : z[e] + next / rz * p[e];
     rz = next;
     hk_block_product(k->s->host, &k->A, p, q);
