@@ -54,6 +54,7 @@
 enum { PATIENCE = 100 };
 
 static const double safety = 0.9, least = 0.2, most = 2, keep = 1.3, algebraic = 0.02;
+static const double frame = 1.0 / 60;            /* s */
 static const double rounding = 16 * DBL_EPSILON; /* of a coordinate: what its differences are off by is no error */
 
 typedef struct linear_bdf2 {
@@ -65,6 +66,7 @@ typedef struct linear_bdf2 {
   double h;           /* s, of the last step */
   double *before;     /* the state before it */
   double *linearised; /* the guess of its linearisation */
+  bool told;          /* of the steps in contact */
   /* The step's own matrix where it was not definite: the blocks, of which there is memory for `room`. */
   double *own;
   size_t room;
@@ -298,8 +300,20 @@ static void take(linear_bdf2 *m, hk_system *s, double h, double wanted, bool ret
   *out = (hk_step){h, next, error};
 }
 
+static void tell_of_contact(linear_bdf2 *m, const hk_system *s) {
+  if (!s->contact || m->told) return;
+  m->told = true;
+  s->host->warn(
+      s->host,
+      "a force of contact is not followed by one linearisation: every step is one of TR-BDF2, with two stages "
+      "and as short as tol asks for; --integrator bdf2 --dt %.2g takes fixed steps, which cost a tenth and "
+      "damp, or take the corrector contact in place of the force",
+      frame);
+}
+
 /* The first step, and every one in contact. */
 static hk_status start(linear_bdf2 *m, hk_system *s, double t_stop, double h, hk_step *out) {
+  tell_of_contact(m, s);
   memcpy(m->linearised, s->X, s->size * sizeof *s->X);
   hk_status status = hk_dirk_adaptive_step(&m->start, &hk_tr_bdf2, s, t_stop, h, out);
   if (status != HK_OK) return status;

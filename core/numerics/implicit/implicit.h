@@ -1,9 +1,33 @@
 /* The Jacobian of a run and the system that an implicit step solves with it: jacobian.c fills K and D,
- * implicit_matrix.c combines them to A and passes it to the scene's solver. */
+ * implicit_matrix.c combines them to A and passes it to the scene's solver, without rows that concern nobody else. */
 #ifndef HK_IMPLICIT_H
 #define HK_IMPLICIT_H
 
 #include "core/numerics/constraints/constraints.h"
+
+/* ---- coupled_rows.c: the rows that solvers get ---- */
+
+typedef struct hk_coupled_rows {
+  size_t rows, count; /* of the whole matrix; of those that solvers get. Equal: they get it as it is */
+  size_t block;
+  uint64_t of, number; /* of the patterns: the whole one; that of the rows */
+  uint32_t *row;       /* count: their places in the whole matrix */
+  uint32_t *place;     /* rows: scratch, and the way back */
+  bool *held;          /* rows: the pins that the map is for */
+  size_t *row_start;   /* count + 1 */
+  uint32_t *column;
+  double *value, *scale; /* the blocks; rows: s of those that are left out */
+  double *b;             /* 2 x room: a right-hand side and its solution */
+  size_t room;
+} hk_coupled_rows;
+
+void hk_coupled_rows_free(hk_coupled_rows *);
+/* The rows of A, n x n blocks with the pins in them, that are joined to others or free; without values where A has
+ * none. `out` is valid until the next call. HK_NO_MEMORY. */
+hk_status hk_coupled_rows_of(hk_coupled_rows *, hk_dynamics *, const hk_matrix *A, hk_matrix *out);
+/* Solves with the factors of the last `out`, for right-hand sides of all rows, n x block x columns. */
+hk_status hk_coupled_rows_solve(hk_coupled_rows *, hk_dynamics *, hk_linear_system *, const double *b, double *x,
+                                size_t columns, hk_solve_info *info);
 
 struct hk_implicit_matrix {
   hk_block_matrix matrix;
@@ -15,6 +39,7 @@ struct hk_implicit_matrix {
   double *A;                 /* blocks x 9; NULL until the first combination */
   const hk_pin_spec **slide; /* one per particle: its sliding pin or NULL; the array is NULL until needed */
   bool symmetric;            /* K and D of the last assembly */
+  hk_coupled_rows coupled;
   hk_linear_system linear;
 };
 

@@ -156,7 +156,10 @@ hk_status hk_implicit_factorize(hk_system *system, const hk_matrix *A) {
   hk_status status = hk_implicit_linear_system(dynamics_of(system), &linear);
   if (status == HK_OK && hk_implicit_constrained(dynamics_of(system)))
     return hk_saddle_point_factorize(dynamics_of(system), A);
-  return status == HK_OK ? hk_linear_system_factorize(dynamics_of(system), linear, A) : status;
+  hk_matrix rows;
+  if (status == HK_OK)
+    status = hk_coupled_rows_of(&dynamics_of(system)->matrix->coupled, dynamics_of(system), A, &rows);
+  return status == HK_OK ? hk_linear_system_factorize(dynamics_of(system), linear, &rows) : status;
 }
 
 static hk_status ready(hk_dynamics *d, hk_linear_system **linear) {
@@ -174,7 +177,8 @@ hk_status hk_implicit_solve_along(hk_system *system, const double *b, const doub
   hk_linear_system *linear = NULL;
   if (hk_implicit_constrained(dynamics_of(system))) return hk_saddle_point_solve(dynamics_of(system), b, u, x, info);
   hk_status status = ready(dynamics_of(system), &linear);
-  return status == HK_OK ? hk_linear_system_solve(dynamics_of(system), linear, b, x, info) : status;
+  if (status != HK_OK) return status;
+  return hk_coupled_rows_solve(&dynamics_of(system)->matrix->coupled, dynamics_of(system), linear, b, x, 1, info);
 }
 
 hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *x, size_t columns) {
@@ -183,5 +187,6 @@ hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *
     return hk_error_set(dynamics_of(system)->error, HK_FAILED,
                         "several right-hand sides at once are not solved in a scene with constraints");
   hk_status status = ready(dynamics_of(system), &linear);
-  return status == HK_OK ? hk_linear_system_solve_columns(dynamics_of(system), linear, b, x, columns) : status;
+  if (status != HK_OK) return status;
+  return hk_coupled_rows_solve(&dynamics_of(system)->matrix->coupled, dynamics_of(system), linear, b, x, columns, NULL);
 }

@@ -127,7 +127,8 @@ static hk_status choose_early(hk_dynamics *d, hk_linear_system *linear) {
   hk_status status = s->K && s->D ? HK_OK : build(d, s);
   if (status != HK_OK) return status;
   hk_matrix A = {s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, NULL, true, s->matrix.number};
-  return hk_linear_system_choose(d, linear, &A);
+  status = hk_coupled_rows_of(&s->coupled, d, &A, &A);
+  return status == HK_OK ? hk_linear_system_choose(d, linear, &A) : status;
 }
 
 hk_status hk_solver_choose(hk_dynamics *d) {
@@ -178,6 +179,7 @@ void hk_jacobian_close(hk_dynamics *d) {
   hk_implicit_matrix *s = d->matrix;
   if (!s) return;
   drop(s);
+  hk_coupled_rows_free(&s->coupled);
   free(s->X);
   free(s);
   d->matrix = NULL;

@@ -36,6 +36,13 @@ static bool needs_unsymmetric_solver(const hk_dynamics *d) {
 
 static bool is_special(const hk_plugin *plugin) { return plugin->solver->fits != NULL; }
 
+/* Rows of particles that are pinned are diagonal: a pinned body of many of them fills no factors. */
+static size_t moving_unknowns(const hk_model *m) {
+  size_t moving = 0;
+  for (size_t i = 0; i < m->n; i++) moving += hk_model_moves(m, i);
+  return 3 * moving;
+}
+
 static bool suits(const hk_plugin *plugin, const void *context) {
   const hk_dynamics *d = context;
   unsigned flags = plugin->solver->flags;
@@ -43,10 +50,10 @@ static bool suits(const hk_plugin *plugin, const void *context) {
   if (d->plugins->kind[HK_CONSTRAINT].count)
     return needs_unsymmetric_solver(d) ? flags & HK_SOLVES_UNSYMMETRIC : !(flags & HK_ITERATIVE);
   if (needs_unsymmetric_solver(d)) return flags & HK_SOLVES_UNSYMMETRIC;
-  size_t unknowns = 3 * d->state->model.n;
-  if (unknowns > LARGE) return flags & HK_ITERATIVE;
-  return d->system.contact && unknowns > LARGE_IN_CONTACT ? (flags & (HK_ITERATIVE | HK_MULTILEVEL)) == HK_ITERATIVE
-                                                          : !(flags & HK_ITERATIVE);
+  if (3 * d->state->model.n > LARGE) return flags & HK_ITERATIVE;
+  if (d->system.contact && moving_unknowns(&d->state->model) > LARGE_IN_CONTACT)
+    return (flags & (HK_ITERATIVE | HK_MULTILEVEL)) == HK_ITERATIVE;
+  return !(flags & HK_ITERATIVE);
 }
 
 static bool goes_first(const hk_plugin *plugin, const void *context) {

@@ -17,6 +17,10 @@ enum { PATIENCE = 100 };
 
 static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1, drop = 1e-3;
 
+/* In contact an inexact direction is shortened where it meets a surface, and the next one costs a search for pairs: 20
+ * x 20 on a ball, 36 steps of a frame, take 552 iterations and 344 factorisations with this, 616 and 256 without. */
+static const double forcing_in_contact = 0.01;
+
 typedef struct work {
   hk_newton *w;
   hk_system *s;
@@ -32,7 +36,7 @@ typedef struct work {
 } work;
 
 double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
-  double now = hk_rms(v, 3 * s->n);
+  double now = hk_rms_moving(s, v);
   if (now > w->speed) w->speed = now;
   return w->tolerance * w->speed;
 }
@@ -134,14 +138,14 @@ static bool krylov(work *k) {
   double *r = k->r, *p = k->p, *q = k->q, *z = k->z;
   negate(r, k->R, m);
   memset(k->dv, 0, m * sizeof *k->dv);
-  double rz = 0, first = 0;
+  double rz = 0, first = 0, part = k->s->contact ? forcing_in_contact : forcing;
   for (int i = 0; i <= k->w->krylov_most; i++) {
     if (k->s->linear->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
     double next = hk_inner_product(r, z, m);
     if (!(next >= 0)) return false;
     if (i == 0) first = next;
-    if (next <= forcing * forcing * first) return true;
+    if (next <= part * part * first) return true;
     for (size_t e = 0; e < m; e++) p[e] = i == 0 ? z[e] : z[e] + next / rz * p[e];
     rz = next;
     hk_block_product(k->s->host, &k->A, p, q);
@@ -275,7 +279,7 @@ static hk_status next_direction(work *k, pace *p, double *size) {
   hk_status status = p->chord ? chord_direction(k) : newton_direction(k);
   if (status != HK_OK) return status;
   k->s->filter(k->s, k->dv);
-  *size = k->by_size ? hk_rms(k->dv, k->m) : energy_norm(k);
+  *size = k->by_size ? hk_rms_free(k->s, k->dv) : energy_norm(k);
   if (p->last > 0) p->rate = fmax(0.3 * p->rate, *size / p->last);
   if (p->last > 0 && p->chord) k->w->rate = p->rate;
   return isnan(*size) ? HK_NOT_FINITE : HK_OK;
@@ -312,7 +316,7 @@ static hk_status solve_channels(work *k) {
 
 static hk_status iterate(work *k) {
   const hk_stage *stage = k->stage;
-  double floor = rounding * (hk_rms(stage->X, k->m) / stage->g + hk_rms(stage->X + k->m, k->m));
+  double floor = rounding * (hk_rms_free(k->s, stage->X) / stage->g + hk_rms_moving(k->s, stage->X + k->m));
   double limit = stage->limit, size = 0;
   pace p = start_pace(k);
   for (int64_t i = 0; i < k->w->iterations; i++) {
@@ -321,7 +325,7 @@ static hk_status iterate(work *k) {
     if (status != HK_OK) return status;
     if (i == 0 && stage->fixed) limit = fmin(limit, fmax(drop, k->w->tolerance) * size);
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
-    bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
+    bool close = size * fmin(1, p.rate) <= limit || hk_rms_free(k->s, k->dv) <= floor;
     double alpha = 1;
     if (close) {
       status = safe_part(k, &alpha);

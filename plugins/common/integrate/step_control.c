@@ -24,12 +24,10 @@ double hk_inner_product(const double *a, const double *b, size_t count) {
   size_t e = 0;
   for (; e + LANES <= count; e += LANES)
     for (size_t l = 0; l < LANES; l++) sum[l] += a[e + l] * b[e + l];
-  for (; e < count; e++) sum[0] += a[e] * b[e];
+  for (size_t l = 0; e < count; e++, l++) sum[l] += a[e] * b[e]; /* zeros behind them would change no sum */
   for (size_t l = 0; l < LANES; l++) total += sum[l];
   return total;
 }
-
-double hk_rms(const double *p, size_t count) { return count ? sqrt(hk_inner_product(p, p, count) / (double)count) : 0; }
 
 double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 
@@ -45,31 +43,58 @@ double hk_rms_free(const hk_system *s, const double *p) {
   return moving ? sqrt(sum / (3 * (double)moving)) : 0;
 }
 
+double hk_rms_moving(const hk_system *s, const double *v) {
+  double sum = 0;
+  size_t moving = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    double square = v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1] + v[3 * i + 2] * v[3 * i + 2];
+    sum += square;
+    moving += s->model->inverse_mass[i] > 0 || square > 0;
+  }
+  return moving ? sqrt(sum / (3 * (double)moving)) : 0;
+}
+
 void hk_scales_notice(hk_scales *c, const hk_system *s, const double *v, const double *a) {
   c->speed = fmax(c->speed, hk_rms_free(s, v));
   c->acceleration = fmax(c->acceleration, hk_rms_free(s, a));
 }
 
-/* RMS of the coordinates about their means; differences from the first particle avoid cancellation. */
-static double spread(const double *x, size_t n) {
+/* RMS of the coordinates about their means, of all particles or of those that move; differences from the first of them
+ * avoid cancellation. */
+static double spread_of(const hk_system *s, const double *x, bool all) {
   double sum[3] = {0}, square[3] = {0}, total = 0;
-  for (size_t i = 1; i < n; i++)
+  const double *first = NULL;
+  size_t count = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    const double *at = x + 3 * i;
+    if (!all && !(s->model->inverse_mass[i] > 0)) continue;
+    if (!first) first = at;
+    count++;
     for (size_t c = 0; c < 3; c++) {
-      double d = x[3 * i + c] - x[c];
+      double d = at[c] - first[c];
       sum[c] += d;
       square[c] += d * d;
     }
-  for (size_t c = 0; c < 3 && n; c++) total += fmax(0, square[c] - sum[c] * sum[c] / (double)n) / (3 * (double)n);
+  }
+  double n = (double)count;
+  for (size_t c = 0; c < 3 && count; c++) total += fmax(0, square[c] - sum[c] * sum[c] / n) / (3 * n);
   return sqrt(total);
 }
 
-static double extent(const double *x, size_t n, double V, double A) {
-  return fmax(spread(x, n), A > 0 ? V * V / A : 0);
+/* Of what moves: an obstacle that is pinned far away makes no error of a cloth smaller. Of what moves in one place
+ * alone, such as the bob of a pendulum, what holds it tells the size. */
+static double spread(const hk_system *s, const double *x) {
+  double moving = spread_of(s, x, false);
+  return moving > 0 ? moving : spread_of(s, x, true);
+}
+
+static double extent(const hk_system *s, const double *x, double V, double A) {
+  return fmax(spread(s, x), A > 0 ? V * V / A : 0);
 }
 
 hk_status hk_scales_foresee(hk_scales *c, hk_system *s, double span, double *X, double *rates) {
   size_t v = 3 * s->n;
-  if (c->speed > 0 || c->acceleration > 0 || spread(s->X, s->n) > 0) return HK_OK;
+  if (c->speed > 0 || c->acceleration > 0 || spread(s, s->X) > 0) return HK_OK;
   memcpy(X, s->X, s->size * sizeof *X);
   hk_status status = s->rates(s, s->t + span, X, rates);
   if (status != HK_OK) return status;
@@ -79,7 +104,7 @@ hk_status hk_scales_foresee(hk_scales *c, hk_system *s, double span, double *X, 
 }
 
 double hk_scales_extent(const hk_scales *c, const hk_system *s, const double *x) {
-  return extent(x, s->n, c->speed, c->acceleration);
+  return extent(s, x, c->speed, c->acceleration);
 }
 
 double hk_scales_rate(const hk_scales *c, double L, double *speed) {
@@ -140,7 +165,7 @@ double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const d
                        const double *E) {
   size_t v = 3 * s->n;
   double V = fmax(c->speed, hk_rms_free(s, X + v)), A = fmax(c->acceleration, hk_rms_free(s, a));
-  double L = extent(X, s->n, V, A);
+  double L = extent(s, X, V, A);
   if (!(L > 0)) L = V * h; /* a particle alone that no force has bent from its way */
   double worst =
       larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));

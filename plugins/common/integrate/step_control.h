@@ -28,16 +28,19 @@ bool hk_jump_met(int64_t *wait, double error);
 void hk_jump_passed(int64_t *wait);                      /* a step has met its tolerance */
 double hk_shortest_step(const hk_system *, double span); /* s, what the loops of methods may shorten a step to */
 
-double hk_rms(const double *list, size_t count);
 /* A scalar product, in eight partial sums for speed; their order is fixed. */
 double hk_inner_product(const double *a, const double *b, size_t count);
 double hk_rms_free(const hk_system *, const double *p); /* p: n x 3; of the particles that move freely */
+/* The RMS of velocities, n x 3, of the particles that move, freely or on paths: what is pinned at rest is no part of
+ * the motion, however much of it a scene has. */
+double hk_rms_moving(const hk_system *, const double *v);
 void hk_scales_notice(hk_scales *, const hk_system *, const double *v, const double *a);
 /* Used where all particles are in one place, at rest and without forces, so that no scale is known: sets the scales to
  * the acceleration and speed that the forces at the time `span` later would cause. X and rates: scratch, one state
  * each. */
 hk_status hk_scales_foresee(hk_scales *, hk_system *s, double span, double *X, double *rates);
-double hk_scales_extent(const hk_scales *, const hk_system *, const double *x); /* m */
+/* m: the RMS distance of what moves freely from its middle, or the radius V^2/A of its paths where that is more. */
+double hk_scales_extent(const hk_scales *, const hk_system *, const double *x);
 /* The relative error of the estimate E, shaped as X, where a step of h ends at X_new with the accelerations a. NAN when
  * a part of it is NAN. */
 double hk_scales_error(const hk_scales *, const hk_system *, double h, const double *X_new, const double *a,
