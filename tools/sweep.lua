@@ -241,6 +241,9 @@ local function execute(asked)
   store.identify(the.cases, the.plugins, the.definition.paths)
   local path = given["--part"] or given["--db"] or ("out/sweep/%s.db"):format(the.definition.name)
   the.base = path:gsub("%.db$", "")
+  if given["--report"] and not store.exists(path) then
+    plan.refuse("--report: there is no %s: run the sweep first, or name its database with --db", path)
+  end
   local results = store.open(path, given["--part"] and "delete")
   results:begin(the.definition.name, definition_text(the))
   for _, part in ipairs(given["--merge"] or {}) do results:merge(part) end

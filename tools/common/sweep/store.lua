@@ -315,7 +315,8 @@ end
 -- Merges the results of another database of sweeps; returns the number of new cases.
 function store:merge(path)
   if not store.exists(path) then database.fail("cannot merge %s: there is no such file", path) end
-  self.db:execute("ATTACH DATABASE " .. database.quote(path) .. " AS part")
+  local known, cause = pcall(self.db.execute, self.db, "ATTACH DATABASE " .. database.quote(path) .. " AS part")
+  if not known then database.fail("cannot merge %s: %s", path, tostring(cause):match("[^:]*$"):gsub("^ ", "")) end
   local fine, count = pcall(merge_attached, self, path)
   pcall(self.db.execute, self.db, "DETACH DATABASE part")
   if not fine then error(count, 0) end
