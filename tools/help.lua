@@ -1,12 +1,14 @@
--- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter.
+-- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter, a word of the field.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local glossary = require("common.handbook.glossary")
 local lfs = require("lfs")
 local plugin_entry = require("common.handbook.plugin_entry")
 local reference = require("common.handbook.reference")
 
 local function parser_of()
-  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, or what takes a parameter of that name.")
+  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, a word of the field, or what takes a parameter of "
+    .. "that name.")
   p:argument("word", "such as grid, scene:pin, springs, leapfrog, stiffness; or several"):args("*")
   return p
 end
@@ -47,6 +49,7 @@ local function unknown(word, plugins)
     add(entry.name:match("[%w_]+$"))
   end
   for _, plugin in ipairs(plugins) do add(plugin.name, plugin.params) end
+  for _, entry in ipairs(glossary.all()) do table.move(entry.words, 1, #entry.words, #names + 1, names) end
   local near = hooke.nearest(word, names)
   return command_line.complain("help", ("%s '%s'%s"):format(is_command[near] and "unknown command" or "nothing is called", word,
     near and ("; did you mean '%s'?"):format(near) or "; see: hooke --help, hooke plugins"))
@@ -65,9 +68,10 @@ local function explain(word, plugins)
       found = true
     end
   end
-  local lines = takers(word, plugins)
+  local lines, known = takers(word, plugins), glossary.find(word)
   if #lines > 0 then say(lines) end
-  return (found or #lines > 0) and 0 or unknown(word, plugins)
+  if known then say(glossary.lines(known)) end
+  return (found or #lines > 0 or known) and 0 or unknown(word, plugins)
 end
 
 local asked = command_line.parse("help", parser_of())

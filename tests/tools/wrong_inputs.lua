@@ -14,7 +14,7 @@ runs.write("junk", "junk\n")
 runs.fails("run ball.lua --resume junk", 'junk is no checkpoint, such as scene:output("checkpoint") writes')
 runs.refused("validate rods --as springs", "--as goes with --plugin: --plugin X.so --as springs")
 runs.refused("fit ball.lua --data x.csv --by k --starts=-1", "--starts: '-1' is not a whole number")
-runs.refused("help spring", "nothing is called 'spring'; did you mean 'springs'?") -- the nearest of all words, not of the commands
+runs.refused("help sprngs", "nothing is called 'sprngs'; did you mean 'springs'?") -- the nearest of all words, not of the commands
 runs.refused("help bnch", "unknown command 'bnch'; did you mean 'bench'?")
 local code, text = runs.run("help gravity drag") -- of several words each
 assert(code == 0 and text:find("force 'gravity'", 1, true) and text:find("force 'drag'", 1, true), text)
