@@ -7,8 +7,8 @@ local plugin_entry = require("common.handbook.plugin_entry")
 local reference = require("common.handbook.reference")
 
 local function parser_of()
-  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, a word of the field, or what takes a parameter of "
-    .. "that name.")
+  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, a word of the field, or what "
+    .. "takes a parameter of that name.")
   p:argument("word", "such as grid, scene:pin, springs, leapfrog, stiffness; or several"):args("*")
   return p
 end

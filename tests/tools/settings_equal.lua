@@ -75,7 +75,8 @@ end
 local found = equal.settings { { label = "a", rows = { row(1e-2, 3, 0.1), row(1e-3, 4, 0.01), row(1e-4, 4, 0.01), row(1e-5, 5, 0.01) } },
   { label = "b", rows = { row(1e-2, 3, 0), row(1e-3, 3, 0) } } }
 assert(#found == 1 and found[1].label == "a" and table.concat(found[1].settings, " ") == "tol 0.001 tol 0.0001")
-local groups = equal.methods { { label = "a", rows = { row(1e-2, 3, 0.1), row(1e-3, 4, 0.01) } }, { label = "b", rows = { row(1e-3, 4, 0.01) } },
+local groups = equal.methods { { label = "a", rows = { row(1e-2, 3, 0.1), row(1e-3, 4, 0.01) } },
+  { label = "b", rows = { row(1e-3, 4, 0.01) } },
   { label = "c", rows = { row(1e-2, 3, 0.1), row(1e-3, 4, 0.02) } }, { label = "d", rows = { row(1e-2, 3, 0) } } }
 assert(#groups == 1 and table.concat(groups[1], " ") == "a b")
 
