@@ -41,6 +41,8 @@ for _, method in ipairs { "rk4", "backward_euler" } do
   has(text, "warning, cases 2, 3: the first was told: dt = 0.2 s is longer than a frame of 0.1 s")
   has(text, "equal in effect, cases 2, 3: dt = 0.2 | dt = 0.4 " .. same)
 end
+swept("--dt 0.05,0.2,0.4 --plot place:dt") -- the end of its line is flat, and the title says why
+has(sweep.read(count .. "-place-dt.gp"), "2 of 3 cases are equal to others in effect")
 has(swept("shade=1,2"), "equal in effect, cases 1, 2: shade = 1 | shade = 2 " .. same)
 has_not(swept("strength=1,2"), "equal in effect")
 has_not(swept("strength=1 --dt 0.1 --repeats 2"), "equal in effect") -- a repeat is no setting

@@ -92,6 +92,14 @@ function remarks.equal(the)
   return list
 end
 
+-- The title of a diagram, with the number of cases that are missing in it, and of those that change nothing.
+function remarks.title(the, title)
+  local count = 0
+  for _, group in ipairs(remarks.equal(the)) do count = count + #group.cases end
+  title = points.title(the, title)
+  return count == 0 and title or ("%s (%d of %d cases are equal to others in effect)"):format(title, count, #the.cases)
+end
+
 local most_groups, most_settings = 4, 6
 
 -- A line for each of the first groups.
