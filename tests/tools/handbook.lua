@@ -151,6 +151,12 @@ help("restitution", "'restitution' is a parameter of:", 0)
 help("sweep", "hooke sweep SWEEP.lua", 0)
 help("stifness", "did you mean 'stiffness'?", 1)
 
+-- What `hooke --help` says of a command is the first line of its tool, a whole sentence.
+for name in output_of("ls '%s'/tools/*.lua", root):gmatch("[^\n]+") do
+  local line = files.read(name):match("^[^\n]+")
+  assert(line:find("%.$") or line:find("%. "), ("%s: its first line is no whole sentence: %s"):format(name, line))
+end
+
 -- The glossary: each word stands once, what it calls a name is known, and help answers for what hooke has not.
 local words, names = {}, {}
 for _, entry in ipairs(require("common.handbook.glossary").all(root .. "/scripts/handbook/glossary.md")) do

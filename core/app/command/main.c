@@ -354,7 +354,7 @@ int main(int argc, char **argv) {
     helps = false;
   }
   if (argc < 2 || helps) {
-    printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n");
+    printf("hooke " HK_VERSION ": particles, strings, hair, cloth, rigid bodies and liquids\n\n");
     hk_installation_help(&p);
     code = argc < 2;
   } else if (strcmp(argv[1], "--version") == 0) {
