@@ -7,6 +7,8 @@ runs.write("ball.lua", [[
 local k = param("k", 1)
 local scene = hooke.scene { duration = 0.1, fps = 10 }
 scene:particle { position = { k, 0, 0 } }
+scene:force("gravity", { label = "weight" })
+scene:force("drag", { rate = 1, label = "drag of air" })
 return scene
 ]])
 runs.write("junk", "junk\n")
@@ -14,6 +16,7 @@ runs.write("junk", "junk\n")
 runs.fails("run ball.lua --resume junk", 'junk is no checkpoint, such as scene:output("checkpoint") writes')
 runs.refused("validate rods --as springs", "--as goes with --plugin: --plugin X.so --as springs")
 runs.refused("fit ball.lua --data x.csv --by k --starts=-1", "--starts: '-1' is not a whole number")
+runs.fails("rest ball.lua --without drag", "there is nothing labelled 'drag' to leave out; the scene has weight, drag of air")
 runs.refused("help sprngs", "nothing is called 'sprngs'; did you mean 'springs'?") -- the nearest of all words, not of the commands
 runs.refused("help bnch", "unknown command 'bnch'; did you mean 'bench'?")
 local code, text = runs.run("help gravity drag") -- of several words each
