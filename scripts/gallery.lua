@@ -13,5 +13,9 @@ return {
   { "smoke", at = 3 },
   { "galaxy", at = 16 },
   { "truss", at = 2 },
-  film = { "cloth_on_sphere", at = 1.2, width = 480, fps = 20 },
+  { "drop", at = 0.006 },
+  { "chocolate", at = 0.28 },
+  { "skipping_stone", at = 0.3 },
+  { "luxo", at = 0.9 },
+  film = { "cloth_on_sphere", at = 2.4, width = 480, fps = 20 }, -- until the cloth hangs nearly still
 }

@@ -10,13 +10,14 @@
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
 local command_line = require("common.run.command_line")
+local equal = require("common.bench.equal")
 local files = require("common.run.file")
 local process = require("process")
 local progress = require("common.run.progress")
 local journal = require("common.bench.journal")
 local report = require("common.bench.report")
 
-local number = command_line.number
+local positive = command_line.positive
 
 local function parser()
   local p = argparse("hooke bench", "What accuracy costs in a scene, with every integrator that fits it.")
@@ -25,12 +26,12 @@ local function parser()
   p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
   p:option("--vary", "name=a,b,c: each method with each of these values of a parameter of the scene; the reference has "
     .. "the scene's own")
-  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(number("--target"))
-  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(number("--finest"))
+  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(positive("--target"))
+  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(positive("--finest"))
   p:option("--metric", "x (m) or v (m/s): root mean square over the particles, then over the frames; energy; or a "
     .. "measure of the scene"):default("x")
-  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(number("--until"))
-  p:option("--budget", "s for all of it, about"):default("120"):convert(number("--budget"))
+  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(positive("--until"))
+  p:option("--budget", "s for all of it, about"):default("120"):convert(positive("--budget"))
   p:option("--threads", "of each run"):default("1"):convert(command_line.whole("--threads"))
   p:option("--jobs", "processes at once for the reference (timed runs are alone)")
     :convert(command_line.whole("--jobs"))
@@ -127,6 +128,12 @@ local function print_warnings(b)
         and (" (not at dt %.3g s)"):format(halved.longest) or ""))
     end
   end
+  for _, labels in ipairs(equal.methods(b.methods)) do
+    print(("equal in effect: %s have the same errors, steps and evaluations, to the last bit"):format(table.concat(labels, " | ")))
+  end
+  for _, one in ipairs(equal.settings(b.methods)) do
+    print(("equal in effect: %s took the same steps with %s"):format(one.label, table.concat(one.settings, " | ")))
+  end
 end
 
 local function print_all(b)
@@ -153,6 +160,7 @@ local function more_of(b, o)
       supports_errors_above = b.goal.support },
     conditioning = c and { growth = c.growth, floor = c.floor, floor_single = c.floor_single, extent = c.extent,
       seeds = c.seeds, sizes = c.sizes },
+    equal_in_effect = equal.methods(b.methods),
     recommendation = { text = b.recommendation, row = chosen and report.flat(chosen, b.goal) },
     overhead_s = b.own_s, timed_s = b.timed, threads = o.threads }
 end
@@ -191,7 +199,6 @@ local function main()
   local why
   o.params, why = params_of(o.params)
   if not o.params then return complain("%s", why) end
-  if not (o.target and o.target > 0 and o.budget > 0) then return complain("--target and --budget must be positive") end
   o.finest = o.finest or o.target / 10
   local b
   b, why = benchmark.new(o)

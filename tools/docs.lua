@@ -82,6 +82,7 @@ local function all_pages(plugins)
   end
   add { { file = "commands.html", title = "Commands and options", group = "Reference",
     body = function() return chapters.commands(help()) end } }
+  add { { file = "glossary.html", title = "Glossary", group = "Reference", text = lessons.read(texts .. "/glossary.md") } }
   add(words())
   return pages
 end

@@ -1,13 +1,15 @@
--- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter.
+-- hooke help WORD: what a word is: a command, a function of scenes, a plugin, a parameter, a word of the field.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local glossary = require("common.handbook.glossary")
 local lfs = require("lfs")
 local plugin_entry = require("common.handbook.plugin_entry")
 local reference = require("common.handbook.reference")
 
 local function parser_of()
-  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, or what takes a parameter of that name.")
-  p:argument("word", "such as grid, scene:pin, springs, leapfrog, stiffness"):args("?")
+  local p = argparse("hooke help", "What a word is: a command, a function of scenes, a plugin, a word of the field, or what "
+    .. "takes a parameter of that name.")
+  p:argument("word", "such as grid, scene:pin, springs, leapfrog, stiffness; or several"):args("*")
   return p
 end
 
@@ -36,8 +38,8 @@ local function commands()
 end
 
 local function unknown(word, plugins)
-  local command, names = hooke.nearest(word, commands()), {}
-  if command then return command_line.complain("help", ("unknown command '%s'; did you mean '%s'?"):format(word, command)) end
+  local names, is_command = commands(), {}
+  for _, name in ipairs(names) do is_command[name] = true end
   local function add(name, rows)
     names[#names + 1] = name
     for _, row in ipairs(rows or {}) do names[#names + 1] = row.name end
@@ -47,25 +49,34 @@ local function unknown(word, plugins)
     add(entry.name:match("[%w_]+$"))
   end
   for _, plugin in ipairs(plugins) do add(plugin.name, plugin.params) end
+  for _, entry in ipairs(glossary.all()) do table.move(entry.words, 1, #entry.words, #names + 1, names) end
   local near = hooke.nearest(word, names)
-  return command_line.complain("help", ("nothing is called '%s'%s"):format(word,
+  return command_line.complain("help", ("%s '%s'%s"):format(is_command[near] and "unknown command" or "nothing is called", word,
     near and ("; did you mean '%s'?"):format(near) or "; see: hooke --help, hooke plugins"))
+end
+
+-- What is known of the word; the exit code.
+local function explain(word, plugins)
+  local found = false
+  for _, entry in ipairs(reference.find(word)) do
+    say(reference.lines(entry))
+    found = true
+  end
+  for _, plugin in ipairs(plugins) do
+    if plugin.name == word then
+      say(plugin_entry.lines(plugin))
+      found = true
+    end
+  end
+  local lines, known = takers(word, plugins), glossary.find(word)
+  if #lines > 0 then say(lines) end
+  if known then say(glossary.lines(known)) end
+  return (found or #lines > 0 or known) and 0 or unknown(word, plugins)
 end
 
 local asked = command_line.parse("help", parser_of())
 if not asked then return 1 end
-if not asked.word then return command_line.complain("help", "of what? hooke help WORD, or hooke --help for the commands") end
-local plugins, found = hooke.catalogue(), false
-for _, entry in ipairs(reference.find(asked.word)) do
-  say(reference.lines(entry))
-  found = true
-end
-for _, plugin in ipairs(plugins) do
-  if plugin.name == asked.word then
-    say(plugin_entry.lines(plugin))
-    found = true
-  end
-end
-local lines = takers(asked.word, plugins)
-if #lines > 0 then say(lines) end
-return (found or #lines > 0) and 0 or unknown(asked.word, plugins)
+if #asked.word == 0 then return command_line.complain("help", "of what? hooke help WORD, or hooke --help for the commands") end
+local plugins, code = hooke.catalogue(), 0
+for _, word in ipairs(asked.word) do code = math.max(code, explain(word, plugins)) end
+return code

@@ -1,5 +1,5 @@
--- hooke optimise SCENE.lua [--goal x=1,v=0] [--by NAME,NAME] [name=value ...]: the controls that bring a scene to goals with
--- least effort. Controls are functions of time, scene:control(); goals are of the scene, scene:goal{}, or measures at the end;
+-- hooke optimise SCENE.lua [--goal x=1,v=0] [--by NAME,NAME] [name=value ...]: the controls that reach goals with least effort.
+-- Controls are functions of time, scene:control(); goals are of the scene, scene:goal{}, or measures at the end;
 -- the effort is the integral of the controls' squares, or what scene:cost() says. By gradients of the steps taken (one adjoint a
 -- goal), from several starts; every optimum is run again by an independent method, and what it misses is said. One that was
 -- interrupted goes on where it was. In the place of the scene may stand a script that says all of this: return hooke.optimise {

@@ -5,10 +5,12 @@ local child = require("common.sweep.child")
 local command = require("common.sweep.command")
 local command_line = require("common.run.command_line")
 local database = require("common.sweep.database")
+local digest = require("common.sweep.digest")
 local figures = require("common.sweep.plot")
 local plan = require("common.sweep.plan")
 local process = require("process")
 local progress = require("common.run.progress")
+local remarks = require("common.sweep.remarks")
 local rows = require("common.sweep.table")
 local slurm = require("common.sweep.slurm")
 local spread = require("common.sweep.spread")
@@ -85,6 +87,8 @@ local function restore(result, digits)
   end
 end
 
+local stopped_well = { ok = true, inaccurate = true }
+
 local function process_case_of(case, particles)
   local t = { case = case }
   for _, key in ipairs { "scene", "params", "integrator", "solver", "dt", "tol", "until", "accuracy", "verify", "seed",
@@ -92,8 +96,9 @@ local function process_case_of(case, particles)
     t[key] = case[key]
   end
   t.frames = particles ~= nil
-  t.finish = function(result, states)
+  t.finish = function(result, states, run)
     result.plugins = nil
+    if stopped_well[result.verdict] then result.state = digest.of(run:packed()) end
     if particles then result.paths = paths_in(states, particles) end
     result.digits = digits_of(result)
   end
@@ -211,6 +216,8 @@ local function report(the, results, given)
     end
   end
   local counts, notes = rows.count(the)
+  table.move(remarks.warnings(the), 1, 1000, #notes + 1, notes)
+  table.move(remarks.equal_lines(the), 1, 1000, #notes + 1, notes)
   for _, note in ipairs(notes) do command_line.complain("sweep", note) end
   if not the.quiet then print(("%s: %s; %s"):format(the.definition.name, counts, results.path)) end
   return code
@@ -234,6 +241,9 @@ local function execute(asked)
   store.identify(the.cases, the.plugins, the.definition.paths)
   local path = given["--part"] or given["--db"] or ("out/sweep/%s.db"):format(the.definition.name)
   the.base = path:gsub("%.db$", "")
+  if given["--report"] and not store.exists(path) then
+    plan.refuse("--report: there is no %s: run the sweep first, or name its database with --db", path)
+  end
   local results = store.open(path, given["--part"] and "delete")
   results:begin(the.definition.name, definition_text(the))
   for _, part in ipairs(given["--merge"] or {}) do results:merge(part) end

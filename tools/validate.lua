@@ -206,6 +206,7 @@ end
 local function main()
   local o = command_line.parse("validate", parser())
   if not o then return 1 end
+  if o.as and not o.plugin then return complain("--as goes with --plugin: --plugin X.so --as %s", o.as) end
   local root = hooke.folder .. "/../scripts/validation"
   local list, code = chosen(o, root)
   if not list then return code end

@@ -35,7 +35,7 @@ typedef struct frames {
 } frames;
 
 enum { Z_UP, Y_UP };
-enum { AUTO_LIGHT, DAY, NIGHT };
+enum { AUTO_LIGHT, DAY, NIGHT, WHITE };
 
 static const hk_param params[] = {
     {"width", "pixels", "width of the pictures", .integer = HK_AT(frames, width), .initial = {1280},
@@ -156,8 +156,8 @@ static const hk_param params[] = {
     {"ground", "", "draw the floor with its grid", .boolean = HK_AT(frames, ground), .initial = {1}},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
      .number = HK_AT(frames, ground_height), .flags = HK_OPTIONAL},
-    {"light", "", "day, or night: a dark background; auto: night for glow", .choice = HK_AT(frames, light),
-     .choices = "auto|day|night"},
+    {"light", "", "day; night: a dark background; white: a white studio, for print; auto: night for glow, else day",
+     .choice = HK_AT(frames, light), .choices = "auto|day|night|white"},
     {"background", "", "red, green and blue of the background, 0 to 1; left out: by the light",
      .vector = HK_AT(frames, background), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
     {"legend", "", "draw the bar of colours", .boolean = HK_AT(frames, legend), .initial = {1}},
@@ -217,10 +217,11 @@ static void plan_camera(frames *f, double t) {
 }
 
 static void plan_light(frames *f) {
-  static const double colours[2][3] = {{0.66, 0.705, 0.755}, {0.030, 0.036, 0.052}}; /* by day, by night */
+  static const double colours[][3] = {
+      [DAY] = {0.66, 0.705, 0.755}, [NIGHT] = {0.030, 0.036, 0.052}, [WHITE] = {0.93, 0.92, 0.90}};
   hk_view_setup *setup = &f->film.setup;
-  bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
-  const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
+  int light = f->light != AUTO_LIGHT ? f->light : style_of(f) == HK_STYLE_GLOW ? NIGHT : DAY;
+  const double *colour = isnan(f->background[0]) ? colours[light] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
   setup->see_through = f->see_through;
   setup->shadows = f->shadows, setup->thickness = f->thickness;

@@ -41,6 +41,6 @@ scene:measure("set", function(s) -- part of it that is solid
   return sum
 end)
 heat.measure_balance(scene, ids)
-scene:output("frames", { surface = 0.3 * cell, plain = { 0.2, 0.09, 0.04 }, color = "none", from = { 0.12, -0.42, 0.2 },
-  look_at = { 0, 0, 0.055 }, ground_height = 0, fov = 20 })
+scene:output("frames", { surface = 0.3 * cell, plain = { 0.2, 0.09, 0.04 }, color = "none", ground_height = 0, fov = 20,
+  keyframes = { 0, 0.12, -0.42, 0.2, 0, 0, 0.07, 0.25, 0.09, -0.315, 0.15, 0, 0, 0.032 } })
 return scene

@@ -27,5 +27,5 @@ scene:measure("top", function(s) -- m above the pool, of the highest
 end)
 scene:output("frames", { surface = 0.35 * cell, surface_cell = 0.4 * cell, surface_look = "water",
   surface_absorption = { 60, 15, 5 }, color = "none", surface_cut = true, obstacles = false,
-  from = { 0.02, -0.05, 0.03 }, look_at = { 0, 0, 0.005 }, ground_height = 0, fov = 26 })
+  from = { 0.018, -0.047, 0.022 }, look_at = { 0, 0, 0.0045 }, ground_height = 0, fov = 24 })
 return scene

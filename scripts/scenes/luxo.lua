@@ -57,4 +57,6 @@ end
 scene:goal { particle = knee, position = { far - 0.2, 0, 0.4 }, velocity = { 0, 0, 0 } }
 scene:goal { particle = elbow, position = { far + 0.1, 0, 0.65 }, velocity = { 0, 0, 0 } }
 scene:goal { particle = head, position = { far + 0.25, 0, 0.55 }, velocity = { 0, 0, 0 } }
+scene:output("frames", { color = "group", legend = false, tubes = "base 0.022, arm 0.013, head 0.013", radius = 0.035, springs = "on",
+  from = { 0.6, -2.4, 0.75 }, look_at = { 0.2, 0, 0.36 }, fov = 24, ground_height = -0.035 })
 return scene

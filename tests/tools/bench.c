@@ -492,7 +492,7 @@ static void wrong_use_is_refused_with_the_remedy(void **state) {
   } list[] = {{"--integrators leapfroq", "did you mean 'leapfrog'?"},
               {"--metric radiuss --integrators rk4", "did you mean 'radius'?"},
               {"sped=3", "sped"},
-              {"--target=-1", "must be positive"}};
+              {"--target=-1", "is not a positive number"}};
   for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
     char line[400];
     snprintf(line, sizeof line, "bench %s/scripts/scenes/circle.lua --quiet --budget 3 --out b %s", HK_ROOT,

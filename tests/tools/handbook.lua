@@ -150,4 +150,29 @@ help("leapfrog", "integrator 'leapfrog'", 0)
 help("restitution", "'restitution' is a parameter of:", 0)
 help("sweep", "hooke sweep SWEEP.lua", 0)
 help("stifness", "did you mean 'stiffness'?", 1)
+
+-- What `hooke --help` says of a command is the first line of its tool, a whole sentence.
+for name in output_of("ls '%s'/tools/*.lua", root):gmatch("[^\n]+") do
+  local line = files.read(name):match("^[^\n]+")
+  assert(line:find("%.$") or line:find("%. "), ("%s: its first line is no whole sentence: %s"):format(name, line))
+end
+
+-- The glossary: each word stands once, what it calls a name is known, and help answers for what hooke has not.
+local words, names = {}, {}
+for _, entry in ipairs(require("common.handbook.glossary").all(root .. "/scripts/handbook/glossary.md")) do
+  for _, word in ipairs(entry.words) do
+    assert(not words[word], word)
+    words[word] = true
+  end
+  for name in entry.see:gmatch("`([%a_:.]+)`") do names[#names + 1] = name end
+end
+assert(words.verdict and #names > 80)
+said, code = output_of("'%s/hooke' help %s", build, table.concat(names, " "))
+assert(code == 0, said)
+help("water", "see liquid", 0)
+help("Verdicts", "see the page \"Why is my run not ok\"", 0)
+help("textures", "there are no textures", 0)
+help("tearing", "there is no fracture", 0)
+help("stiffness", "'stiffness' is a parameter of:", 0) -- beside the word of the field
+help("stiffness", "see lesson 7", 0)
 os.execute(("rm -r '%s'"):format(place))

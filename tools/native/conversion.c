@@ -52,11 +52,12 @@ static bool shoot(conversion *c, size_t k) {
 }
 
 /* Particles of which the frame has no other than those with these ids; the cells are void then. */
-static void keep(hk_frame_data *s, const uint32_t *ids, size_t count) {
+static void keep(hk_frame_data *s, const uint32_t *ids, bool *seen, size_t count) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
     bool wanted = false;
-    for (size_t k = 0; k < count; k++) wanted = wanted || ids[k] == s->id[i];
+    for (size_t k = 0; k < count; k++)
+      if (ids[k] == s->id[i]) wanted = seen[k] = true;
     if (!wanted) continue;
     memcpy(s->x + 3 * kept, s->x + 3 * i, 3 * sizeof *s->x);
     memcpy(s->v + 3 * kept, s->v + 3 * i, 3 * sizeof *s->v);
@@ -83,7 +84,11 @@ static int open_conversion(lua_State *L) {
   c->recording = hk_recording_open(path, c->why, sizeof c->why);
   bool fine = c->recording && hk_recording_frame_open(c->recording, &c->gatherer);
   if (fine && (from < 1 || from > to || (size_t)from > c->recording->frames || every < 1)) {
-    snprintf(c->why, sizeof c->why, "%s has the frames 1 to %zu", path, c->recording->frames);
+    if (from > to)
+      snprintf(c->why, sizeof c->why, "--from-frame %lld is after --to-frame %lld", (long long)from, (long long)to);
+    else
+      snprintf(c->why, sizeof c->why, "--from-frame %lld: %s has the frames 1 to %zu", (long long)from, path,
+               c->recording->frames);
     fine = false;
   }
   if (!fine) return answer(L, c, false, 0);
@@ -193,6 +198,7 @@ static int table(lua_State *L) {
   const char *path = luaL_checkstring(L, 2);
   size_t count = lua_istable(L, 3) ? lua_rawlen(L, 3) : 0;
   uint32_t *ids = lua_newuserdatauv(L, (count + 1) * sizeof *ids, 0);
+  bool *seen = memset(lua_newuserdatauv(L, (count + 1) * sizeof *seen, 0), 0, (count + 1) * sizeof *seen);
   for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
     lua_rawgeti(L, 3, (lua_Integer)k + 1);
     ids[k] = (uint32_t)lua_tointeger(L, -1);
@@ -203,11 +209,14 @@ static int table(lua_State *L) {
   lua_Integer written = 0;
   for (size_t k = c->from; k <= c->to && fine && read; k += c->every, written++) {
     read = shoot(c, k);
-    if (read && count) keep(&c->gatherer.data, ids, count);
+    if (read && count) keep(&c->gatherer.data, ids, seen, count);
     if (read && written == 0) hk_csv_head(file.stream, &c->gatherer.data);
     if (read) hk_csv_rows(file.stream, &c->gatherer.data);
     fine = hk_whole_check(&file);
   }
+  for (size_t k = 0; k < count && fine && read; k++)
+    if (!(read = seen[k]))
+      snprintf(c->why, sizeof c->why, "--ids: no particle of these frames has the id %u", (unsigned)ids[k]);
   if (!hk_whole_close(&file, read, why, sizeof why)) fine = false;
   if (*why) cannot_write(c, path, why);
   return answer(L, c, fine && read, written);

@@ -348,12 +348,13 @@ int main(int argc, char **argv) {
   bool helps =
       argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0);
   char option[] = "--help", word[] = "help", *about[] = {argv[0], helps && argc > 2 ? argv[2] : NULL, option, NULL};
-  if (helps && argc > 2) { /* hooke help NAME: hooke NAME --help; other words are the tool's */
-    if (!hk_installation_command(&p, about[1])) about[1] = word, about[2] = argv[2];
-    argv = about, argc = 3, helps = false;
+  if (helps && argc > 2) { /* hooke help NAME: hooke NAME --help; other words, and several, are the tool's */
+    argv[1] = word;
+    if (argc == 3 && hk_installation_command(&p, about[1])) argv = about;
+    helps = false;
   }
   if (argc < 2 || helps) {
-    printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n");
+    printf("hooke " HK_VERSION ": particles, strings, hair, cloth, rigid bodies and liquids\n\n");
     hk_installation_help(&p);
     code = argc < 2;
   } else if (strcmp(argv[1], "--version") == 0) {

@@ -52,6 +52,12 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   lua_setfield(L, -2, "plugins");
   push_measures(L, s->measures, s->measure_name, s->measure);
   lua_setfield(L, -2, "measures");
+  lua_createtable(L, (int)s->warnings, 0);
+  for (size_t k = 0; k < s->warnings; k++) {
+    lua_pushstring(L, s->warning[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "warnings");
 }
 
 static void set_figure(lua_State *L, const hk_summary *s, const hk_figure *f) {

@@ -180,6 +180,15 @@ static void push_goals(lua_State *L, const hk_scene *scene) {
   if (scene->cost) hk_tool_set_text(L, "cost", scene->cost);
 }
 
+static void push_measures(lua_State *L, const hk_scene *scene) {
+  lua_createtable(L, (int)scene->measures, 0);
+  for (size_t k = 0; k < scene->measures; k++) {
+    lua_pushstring(L, scene->measure[k].name);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "measures");
+}
+
 static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
@@ -199,6 +208,7 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   hk_tool_set_flag(L, "dt_chosen", run->step->chosen);
   hk_tool_set_number(L, "longest_step", hk_loop_longest_step(&run->loop));
   push_goals(L, scene);
+  push_measures(L, scene);
   push_plugins(L, run);
   push_solver(L, run);
   push_spectrum(L, spectrum);

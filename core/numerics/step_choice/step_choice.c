@@ -118,13 +118,18 @@ static void choose(hk_step_choice *c, const hk_dynamics *d) {
             c->integrator->plugin->name, c->length.dt, c->growth_rate);
 }
 
-static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) {
+/* Steps end at frames: a longer one, of whatever method with fixed steps, changes nothing. */
+static void take_given(hk_step_choice *c, double given, hk_warnings *warnings) {
   double frame = 1 / c->fps;
   c->length.dt = given;
   if (given > frame * (1 + 1e-9))
     hk_warn(warnings, "dt = %g s is longer than a frame of %g s, so steps are of one frame; fps = %g allows it", given,
             frame, 1 / given);
-  double h = fmin(given, frame);
+}
+
+static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) {
+  take_given(c, given, warnings);
+  double h = fmin(given, 1 / c->fps);
   if (c->growth_expected)
     hk_warn(warnings, "%s has no stable step on this scene; motion may grow", c->integrator->plugin->name);
   else if (h > c->dt_limit)
@@ -143,7 +148,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
     if (isnan(given))
       choose(c, d);
     else
-      c->length.dt = given;
+      take_given(c, given, d->shared->warnings);
     return HK_OK;
   }
   hk_status status = estimate(c, d, c->method, given);

@@ -63,7 +63,7 @@ hk_status hk_checkpoint_open(hk_checkpoint *c, hk_walk *w, const char *path, con
   errno = 0;
   if (!hk_walk_read_file(c, path)) return hk_io_error(error, "read", path);
   if (c->count < first || memcmp(c->byte, hk_checkpoint_magic, first - 2) != 0 || c->byte[first - 1] != '\n')
-    return hk_error_set(error, HK_IO, "%s is no checkpoint", path);
+    return hk_error_set(error, HK_IO, "%s is no checkpoint, such as scene:output(\"checkpoint\") writes", path);
   if (c->byte[first - 2] != hk_checkpoint_magic[first - 2])
     return hk_error_set(error, HK_IO, "%s is a checkpoint of another version of hooke: write it again", path);
   if (!hk_walk_open(w, c, first) || !read_list(w, words) || !read_text(w, origin))

@@ -2,6 +2,7 @@
  * plugins to omit and to add. The scene does not change; the choices belong to one run. */
 #include "core/scene/scene/scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,6 +67,18 @@ static bool in_scene(const hk_scene *scene, const char *label) {
   return false;
 }
 
+/* The labels that may be left out, ", " between them; as many as have room. */
+static void list_labels(const hk_scene *scene, char *into, size_t size) {
+  size_t length = 0;
+  into[0] = 0;
+  for (int kind = 0; kind < HK_KINDS; kind++)
+    for (size_t k = 0; k < scene->plugin[kind].count; k++) {
+      const char *label = scene->plugin[kind].item[k]->label;
+      if (kind == HK_INTEGRATOR || kind == HK_SOLVER || length + strlen(label) + 3 > size) continue;
+      length += (size_t)snprintf(into + length, size - length, "%s%s", length ? ", " : "", label);
+    }
+}
+
 static hk_status choose_integrator(hk_overrides *o, const hk_scene *scene, const char *integrator, hk_error *error) {
   hk_status status = HK_OK;
   o->integrator = hk_scene_one(scene, HK_INTEGRATOR);
@@ -84,8 +97,12 @@ hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *
                             size_t without_count, const char *const *without, hk_error *error) {
   *o = (hk_overrides){.without_count = without_count, .without = without};
   for (size_t k = 0; k < without_count; k++) {
-    if (!in_scene(scene, without[k]))
-      return hk_error_set(error, HK_BAD_PARAM, "there is nothing labelled '%s' to leave out", without[k]);
+    if (!in_scene(scene, without[k])) {
+      char labels[256];
+      list_labels(scene, labels, sizeof labels);
+      return hk_error_set(error, HK_BAD_PARAM, "there is nothing labelled '%s' to leave out; the scene has %s",
+                          without[k], *labels ? labels : "no forces, constraints, correctors, sources or outputs");
+    }
     for (size_t j = 0; j < k; j++)
       if (strcmp(without[j], without[k]) == 0)
         return hk_error_set(error, HK_BAD_PARAM,

@@ -217,7 +217,8 @@ hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
   r->file = hk_h5_open_file(path);
   if (r->file >= 0 && get_all(r)) return r;
   snprintf(why, size,
-           r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged",
+           r->file < 0 ? "%s is no whole HDF5 file, as scene:output(\"trajectory\") writes them"
+                       : "%s: it is no recording of hooke, or damaged",
            path);
   hk_recording_close(r);
   return NULL;

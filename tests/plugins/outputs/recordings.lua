@@ -283,7 +283,10 @@ for _, format in ipairs { "csv", "pc2", "vtkhdf", "xdmf", "ply", "vtk", "gltf" }
   assert(shell("test -z \"$(find %s/full -type f)\"", folder), format)
 end
 assert(must("convert sheet --to csv --out \"$(printf 'x\\033[2Jy')\""):find("11 frames: x\\x1b[2Jy.csv", 1, true)) -- tools print so
-refused("has the frames 1 to 11", "convert sheet --to csv --from-frame 12")
+refused("--from-frame 12: sheet/trajectory.h5 has the frames 1 to 11", "convert sheet --to csv --from-frame 12")
+refused("--from-frame 5 is after --to-frame 2", "convert sheet --to csv --from-frame 5 --to-frame 2")
+refused("--ids: no particle of these frames has the id 99999", "convert sheet --to csv --ids 1,99999 --out none")
+assert(not files.read(at("none.csv")))
 refused("particles were born or died", "convert births --to pc2")
 assert(must("run births.lua --out births --quiet"))
 

@@ -76,6 +76,52 @@ end
 
 -- ---- the scene ----
 
+local function is_at_rest(motion)
+  for _, state in ipairs(motion.states) do
+    local d = states.distance(motion.states[1], state)
+    if not d or d.x_rms > 0 or d.v_rms > 0 then return false end
+  end
+  return true
+end
+
+-- Whether the scene has the metric, before anything is run. names: its measures.
+local function check_metric(metric, names)
+  if metric == "x" or metric == "v" or metric == "energy" then return true end
+  for _, name in ipairs(names) do
+    if name == metric then return true end
+  end
+  local near = hooke.nearest(metric, names)
+  return nil, ("--metric %s: the scene has no such measure%s; x, v, energy%s can be chosen"):format(metric,
+    near and (", did you mean '%s'?"):format(near) or "", #names > 0 and " and " .. table.concat(names, ", ") or "")
+end
+
+local function check_motion(self, motion)
+  local names = self.explained.measures
+  if (self.metric == "x" or self.metric == "v") and is_at_rest(motion) then
+    return nil, ("nothing moves in this scene, so positions say nothing of a method: choose a measure with --metric%s")
+      :format(#names > 0 and " (" .. table.concat(names, ", ") .. ")" or "; the scene has none")
+  end
+  return true
+end
+
+-- Whether the scene starts with each value of --vary: an unknown parameter or a value out of its range is told here, and not by
+-- each of a hundred runs.
+local function check_varied(list, options)
+  local seen = {}
+  for _, method in ipairs(list) do
+    local name, value = next(method.params)
+    if not seen[value] then
+      seen[value] = true
+      local params = {}
+      for key, own in pairs(options.params or {}) do params[key] = own end
+      params[name] = value
+      local explained, why = case_process.explain(options.scene, params, { trust = options.trust })
+      if not explained then return nil, ("--vary %s=%s: %s"):format(name, value, why) end
+    end
+  end
+  return true
+end
+
 -- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text),
 -- margin (of errors to the reference's own), only_best (methods that are slower than the best at the target are not
 -- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed). In the
@@ -92,7 +138,12 @@ function benchmark.new(options)
   if options.vary then
     list, why = methods.varied(list, options.vary)
     if not list then return nil, why end
+    local fine
+    fine, why = check_varied(list, options)
+    if not fine then return nil, why end
   end
+  local known, unknown = check_metric(options.metric or "x", explained.measures)
+  if not known then return nil, unknown end
   local self = { options = options, explained = explained, methods = list, step = {}, fps = explained.fps, timed = 0,
     jobs = options.jobs or process.processors(), metric = options.metric or "x",
     brief = options.only_best, margin = options.margin or reference.margin,
@@ -116,36 +167,6 @@ function benchmark.new(options)
   end
   function self.run(cases, done, jobs) run_all(self, cases, done, jobs) end
   return self
-end
-
-local function is_at_rest(motion)
-  for _, state in ipairs(motion.states) do
-    local d = states.distance(motion.states[1], state)
-    if not d or d.x_rms > 0 or d.v_rms > 0 then return false end
-  end
-  return true
-end
-
-local function names_of(measures)
-  local names = {}
-  for name in pairs(measures) do names[#names + 1] = name end
-  table.sort(names)
-  return names
-end
-
-local function check_metric(self, motion)
-  local names = names_of(motion.measures)
-  local known = self.metric == "x" or self.metric == "v" or self.metric == "energy" or motion.measures[self.metric]
-  if not known then
-    local near = hooke.nearest(self.metric, names)
-    return nil, ("--metric %s: the scene has no such measure%s; x, v, energy%s can be chosen"):format(self.metric,
-      near and (", did you mean '%s'?"):format(near) or "", #names > 0 and " and " .. table.concat(names, ", ") or "")
-  end
-  if (self.metric == "x" or self.metric == "v") and is_at_rest(motion) then
-    return nil, ("nothing moves in this scene, so positions say nothing of a method: choose a measure with --metric%s")
-      :format(#names > 0 and " (" .. table.concat(names, ", ") .. ")" or "; the scene has none")
-  end
-  return true
 end
 
 -- ---- the phases ----
@@ -201,7 +222,7 @@ local function find_reference(self)
   local found, why = reference.compute(self, aim, time_for_reference(self))
   if not found then return nil, why end
   local fine
-  fine, why = check_metric(self, found.motion)
+  fine, why = check_motion(self, found.motion)
   if not fine then return nil, why end
   self.scale, self.exact = scale_of(found.motion), exact_of(found.motion)
   self.doubted = self.exact and self.exact > self.margin * found.error.x_rms + exact_rounding * self.scale

@@ -12,7 +12,7 @@
 --   allowance                 s, of processor time, a bound that does not depend on what else the machine does; the process
 --                             is then ended
 --   frames                    true: `finish` gets the states of all frames, packed (tools/native/states.c)
---   finish                    function(result, states) called in the process after the run: adds to the result
+--   finish                    function(result, states, run) called in the process after the run: adds to the result
 --   keep                      true: result.states comes back, too
 --   execute                   function(case) that gives the result instead: for scripts that drive their own runs. Of
 --                             the rest only scene, trust and timeout then mean anything
@@ -70,7 +70,7 @@ function case_process.execute(case)
   end
   if not fine then result.failed = without_tool(message) end
   if not fine and result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
-  if case.finish then case.finish(result, states) end
+  if case.finish then case.finish(result, states, first) end
   return result, states
 end
 

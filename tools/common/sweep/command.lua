@@ -84,13 +84,20 @@ local function refuse_the_same_file(asked)
   end
 end
 
+-- The values of a parameter or an option, which its errors name.
+local function values_of(name, text)
+  local fine, found = pcall(ranges.parse, text)
+  if not fine then plan.refuse("%s: %s", name, found) end
+  return found
+end
+
 -- The arguments after "hooke sweep" -> { path, params = { name = values }, given = { [option] = value } }
 function command.parse(arguments)
   local asked, k = { params = {}, given = {} }, 1
   while k <= #arguments do
     local name, values = arguments[k]:match("^([%w_]+)=(.*)$")
     if name then
-      asked.params[name] = ranges.parse(values)
+      asked.params[name] = values_of(name, values)
     elseif arguments[k]:sub(1, 1) == "-" then
       local word = arguments[k]:match("^%-j%d+$") and "-j" or arguments[k]
       local o = option_named(word)
@@ -145,8 +152,8 @@ function command.define(asked)
   d.params = d.params or {}
   for name, values in pairs(asked.params) do d.params[name] = values end
   d.integrators = given["--integrators"] and methods(given["--integrators"]) or d.integrators
-  d.dt = given["--dt"] and ranges.parse(given["--dt"]) or d.dt
-  d.tol = given["--tol"] and ranges.parse(given["--tol"]) or d.tol
+  d.dt = given["--dt"] and values_of("--dt", given["--dt"]) or d.dt
+  d.tol = given["--tol"] and values_of("--tol", given["--tol"]) or d.tol
   d.measures = given["--measures"] and words_of(given["--measures"]) or d.measures
   for _, name in ipairs { "until", "repeats", "seed", "timeout", "verify", "trust" } do
     if given["--" .. name] ~= nil then d[name] = given["--" .. name] end

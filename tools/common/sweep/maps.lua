@@ -3,6 +3,7 @@ local axes = require("common.run.axes")
 local plan = require("common.sweep.plan")
 local plot = require("common.run.plot")
 local points = require("common.sweep.points")
+local remarks = require("common.sweep.remarks")
 local rows = require("common.sweep.table")
 
 local maps = {}
@@ -65,7 +66,7 @@ local function draw_map(the, figure, group, path)
   local log = figure.logy
   if log == nil then log = points.wants_log(numbers) end
   if log then log_bar(numbers, commands) end
-  return plot.draw(path, { title = points.title(the, group.label == "" and title or title .. ", " .. group.label),
+  return plot.draw(path, { title = remarks.title(the, group.label == "" and title or title .. ", " .. group.label),
     x = { label = figure.xlabel or x, min = 0.5, max = #xs + 0.5 }, y = { label = figure.ylabel or y, min = 0.5,
     max = #ys + 0.5 }, matrix = { rows = matrix_of(at, xs, ys), label = figure.measure }, commands = commands,
     width = figure.width, height = figure.height })

@@ -6,6 +6,7 @@ local paths = require("common.sweep.paths")
 local plan = require("common.sweep.plan")
 local plot = require("common.run.plot")
 local points = require("common.sweep.points")
+local remarks = require("common.sweep.remarks")
 local rows = require("common.sweep.table")
 
 local figures = {}
@@ -205,7 +206,7 @@ local function draw_lines(the, figure, path)
   local x_axis, commands = horizontal(the, figure, x, curves)
   if #curves == 1 and curves[1].title == "" then commands[#commands + 1] = "unset key" end
   local title = figure.title or ("%s: %s"):format(the.definition.name, figure.measure)
-  return plot.draw(path, { title = points.title(the, title), x = x_axis, y = y_axis, curves = curves,
+  return plot.draw(path, { title = remarks.title(the, title), x = x_axis, y = y_axis, curves = curves,
     commands = commands, width = figure.width, height = figure.height })
 end
 

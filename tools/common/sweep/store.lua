@@ -44,6 +44,9 @@ local function schema()
       "x REAL, y REAL, z REAL, PRIMARY KEY (case_id, particle, frame)) WITHOUT ROWID",
     "CREATE TABLE IF NOT EXISTS members (sweep_id INTEGER REFERENCES sweeps, number INTEGER, " ..
       "case_id INTEGER REFERENCES cases, PRIMARY KEY (sweep_id, number)) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS warnings (case_id INTEGER REFERENCES cases, number INTEGER, text TEXT, " ..
+      "PRIMARY KEY (case_id, number)) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS states (case_id INTEGER PRIMARY KEY REFERENCES cases, digest TEXT)",
   }
 end
 
@@ -64,6 +67,10 @@ local function make_folder(path)
 end
 store.make_folder = make_folder
 
+local function has_table(db, schema_name, name)
+  return db:value(("SELECT count(*) FROM %s.sqlite_master WHERE name = '%s'"):format(schema_name, name)) > 0
+end
+
 function store.open(path, journal)
   make_folder(path)
   local self = setmetatable({ path = path, db = database.open(path, journal) }, store)
@@ -71,7 +78,7 @@ function store.open(path, journal)
   if found ~= 0 and found ~= version then
     database.fail("%s has tables of version %d and this hooke writes %d: take another file", path, found, version)
   end
-  if found == 0 then
+  if not has_table(self.db, "main", "states") then -- a new file, or one of a hooke that kept neither warnings nor states
     self.db:transaction(function()
       for _, sql in ipairs(schema()) do self.db:execute(sql) end
       self.db:execute("PRAGMA user_version = " .. version)
@@ -193,6 +200,12 @@ local function insert_numbers(db, into, id, numbers)
   insert_rows(db, into, rows)
 end
 
+local function insert_warnings(db, id, warnings)
+  local rows = {}
+  for k, text in ipairs(warnings or {}) do rows[k] = database.tuple(3, id, k, text) end
+  insert_rows(db, "warnings", rows)
+end
+
 local function insert_paths(db, id, points)
   local rows = {}
   for _, p in ipairs(points or {}) do rows[#rows + 1] = database.tuple(7, id, table.unpack(p, 1, 6)) end
@@ -218,6 +231,8 @@ function store:add(case, result)
     insert_numbers(db, "params", case.row, case.params)
     insert_numbers(db, "measures", case.row, result.measures)
     insert_paths(db, case.row, result.paths)
+    insert_warnings(db, case.row, result.warnings)
+    if result.state then insert_rows(db, "states", { database.tuple(2, case.row, result.state) }) end
     self:link(case)
   end)
 end
@@ -245,7 +260,7 @@ end
 function store:forget(cases)
   self.db:transaction(function()
     for _, case in ipairs(cases) do
-      for _, name in ipairs { "params", "measures", "paths", "members" } do
+      for _, name in ipairs { "params", "measures", "paths", "members", "warnings", "states" } do
         if case.row then self.db:execute(("DELETE FROM %s WHERE case_id = %d"):format(name, case.row)) end
       end
       if case.row then self.db:execute(("DELETE FROM cases WHERE id = %d"):format(case.row)) end
@@ -256,10 +271,11 @@ end
 
 -- ---- merging ----
 
-local function merge_statements()
+-- remarked: the other database has the tables `warnings` and `states`.
+local function merge_statements(remarked)
   local fresh = "IN (SELECT key FROM temp.fresh)"
   local same = "JOIN part.cases c ON c.id = p.case_id JOIN main.cases m ON m.key = c.key WHERE c.key " .. fresh
-  return {
+  local list = {
     ("INSERT INTO main.cases (%s) SELECT %s FROM part.cases WHERE key %s"):format(columns, columns, fresh),
     "INSERT INTO main.params SELECT m.id, p.name, p.value FROM part.params p " .. same,
     "INSERT INTO main.measures SELECT m.id, p.name, p.value FROM part.measures p " .. same,
@@ -270,6 +286,11 @@ local function merge_statements()
       "JOIN main.sweeps ms ON ms.name = ps.name AND ms.definition = ps.definition " ..
       "JOIN part.cases c ON c.id = p.case_id JOIN main.cases m ON m.key = c.key",
   }
+  if remarked then
+    list[#list + 1] = "INSERT INTO main.warnings SELECT m.id, number, text FROM part.warnings p " .. same
+    list[#list + 1] = "INSERT INTO main.states SELECT m.id, p.digest FROM part.states p " .. same
+  end
+  return list
 end
 
 local function merge_attached(self, path)
@@ -286,7 +307,7 @@ local function merge_attached(self, path)
   db:execute("CREATE TEMP TABLE fresh AS SELECT key FROM part.cases WHERE key NOT IN (SELECT key FROM main.cases)")
   local count = db:value("SELECT count(*) FROM temp.fresh")
   db:transaction(function()
-    for _, sql in ipairs(merge_statements()) do db:execute(sql) end
+    for _, sql in ipairs(merge_statements(has_table(db, "part", "states"))) do db:execute(sql) end
   end)
   return count
 end
@@ -294,7 +315,8 @@ end
 -- Merges the results of another database of sweeps; returns the number of new cases.
 function store:merge(path)
   if not store.exists(path) then database.fail("cannot merge %s: there is no such file", path) end
-  self.db:execute("ATTACH DATABASE " .. database.quote(path) .. " AS part")
+  local known, cause = pcall(self.db.execute, self.db, "ATTACH DATABASE " .. database.quote(path) .. " AS part")
+  if not known then database.fail("cannot merge %s: %s", path, tostring(cause):match("[^:]*$"):gsub("^ ", "")) end
   local fine, count = pcall(merge_attached, self, path)
   pcall(self.db.execute, self.db, "DETACH DATABASE part")
   if not fine then error(count, 0) end
@@ -303,12 +325,13 @@ end
 
 -- ---- reading ----
 
--- Sets case.result = { verdict =, reason =, [column] = value, measures = { name = value } } of the cases that are done.
+-- Sets case.result = { verdict =, reason =, [column] = value, measures = { name = value }, warnings = { text }, state = digest
+-- of the last positions and velocities or nil } of the cases that are done.
 function store:read(cases)
   local results, ids = {}, {}
   for _, case in ipairs(cases) do
     if case.row and not results[case.row] then
-      results[case.row] = { measures = {} }
+      results[case.row] = { measures = {}, warnings = {} }
       ids[#ids + 1] = case.row
     end
     case.result = results[case.row]
@@ -318,6 +341,12 @@ function store:read(cases)
   end
   for row in rows_in(self.db, "SELECT case_id, name, value FROM measures WHERE case_id IN", ids) do
     results[row.case_id].measures[row.name] = row.value
+  end
+  for row in rows_in(self.db, "SELECT case_id, number, text FROM warnings WHERE case_id IN", ids) do
+    results[row.case_id].warnings[row.number] = row.text
+  end
+  for row in rows_in(self.db, "SELECT case_id, digest FROM states WHERE case_id IN", ids) do
+    results[row.case_id].state = row.digest
   end
 end
 
