@@ -1,5 +1,6 @@
 /* Bars under the corrector `contact`: impacts of rods against closed forms of their energy, however far they turn in a
  * step, and bars that meet between their ends. */
+#include "tests/support/command.h"
 #include "tests/support/engine.h"
 
 #include <math.h>
@@ -117,11 +118,33 @@ static void bars_meet_between_their_ends(void **state) {
   test_engine_close(&t);
 }
 
+/* A bar that stands on its lower end: its multipliers are those of a fall, and the scene is told. */
+static void forces_without_impulses_are_told(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const kinds[] = {"scene:body { shape = 'plane', size = 5 }\nscene:corrector('contact', {})\n",
+                                      "scene:corrector('obstacle', {})\n", ""};
+  for (int k = 0; k < 3; k++) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "local scene = hooke.scene { duration = 0.04, fps = 50, dt = 0.01, integrator = 'leapfrog' }\n"
+             "scene:particle { position = { 0, 0, 1e-3 }, mass = 1 }\n"
+             "scene:particle { position = { 0, 0, 0.5 }, mass = 1 }\n"
+             "scene:force('gravity')\nscene:constraint('bars', { edges = { { 1, 2 } } })\n%s"
+             "scene:measure('T', function(s) return s:constraint_forces('bars')[1] end)\nreturn scene\n",
+             kinds[k]);
+    test_write("stands.lua", text);
+    test_hooke(&r, NULL, "run stands.lua --json --quiet --no-output");
+    if ((strstr(r.err, "presses by impulses") != NULL) != (k < 2)) fail_msg("%s", r.err);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_rod_gains_no_energy_by_friction),
       cmocka_unit_test(a_rod_that_turns_fast_keeps_its_energy),
       cmocka_unit_test(bars_meet_between_their_ends),
+      cmocka_unit_test(forces_without_impulses_are_told),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
