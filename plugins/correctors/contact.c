@@ -153,6 +153,18 @@ static hk_status prepare_bodies(contact *s, const hk_step_move *move, bool faces
   return status == HK_OK ? hk_surface_moments_find(&s->bodies, solver, move, s->rolling, s->spinning) : status;
 }
 
+/* Whether no surface that is met moves on a path, so that impacts may not add to the kinetic energy. */
+static bool paths_stand_still(const hk_model *model, const hk_contact_solver *all, const hk_step_move *move) {
+  for (size_t e = 0; e < all->count; e++)
+    for (int i = 0; i < 4; i++) {
+      size_t k = all->impact[e].pair.vertex[i];
+      bool held = !hk_model_moves(model, (uint32_t)k) && model->pin[k] != HK_PIN_RIDES;
+      if (!held || all->impact[e].frame.w[i] == 0) continue;
+      if (hk_length(move->v_from + 3 * k) > 0 || hk_length(move->v + 3 * k) > 0) return false;
+    }
+  return true;
+}
+
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move, bool faces) {
   double begin = hk_own_time();
   hk_contact_solver solver = {.friction = s->base.params.friction, .most = (size_t)s->base.sweeps};
@@ -164,6 +176,7 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (status != HK_OK) return status;
   hk_gauss_seidel_result done = {0};
   s->bodies.t = view->t;
+  s->bodies.keeps_energy = !single && paths_stand_still(view->model, &solver, move);
   bool bounces = !single && s->base.restitution > 0; /* the last impulses are no guess of these */
   if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
   if (first && !bounces) hk_warm_start_give(&s->known, &solver, move, !single);

@@ -85,20 +85,19 @@ static size_t list_joins(const hk_instances *constraints, const hk_tuples **into
   return count;
 }
 
-static hk_status refresh_joins(hk_dynamics *d) {
+hk_status hk_joins_refresh(hk_dynamics *d) {
   const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
   size_t room = list_joins(constraints, NULL);
   const hk_tuples **list = realloc(d->join, (room + 1) * sizeof *list);
   if (!list) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu lists of pairs", room);
-  d->join = list;
+  d->state->model.join = d->join = list;
   d->state->model.join_lists = list_joins(constraints, list);
-  d->state->model.join = list;
   return HK_OK;
 }
 
 hk_status hk_elements_refresh(hk_dynamics *d) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
-  hk_status status = refresh_joins(d);
+  hk_status status = hk_joins_refresh(d);
   size_t lists = 0;
   for (size_t k = 0; k < forces->count; k++) {
     const hk_instance *force = forces->item[k];

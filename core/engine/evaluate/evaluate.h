@@ -118,6 +118,7 @@ void hk_dynamics_close(hk_dynamics *);
 /* ---- elements.c: the elements and published fields of forces, collected in the model ---- */
 
 size_t hk_force_element_lists(const hk_plugin *); /* 0: it offers no elements */
+hk_status hk_joins_refresh(hk_dynamics *);        /* the pairs that constraints join. HK_NO_MEMORY */
 hk_status hk_elements_refresh(hk_dynamics *); /* HK_FAILED: a list contradicts itself; the message names the force */
 /* The fields that plugins publish: before they start, and again when they have, for services come in between. */
 hk_status hk_publications_list(hk_dynamics *);

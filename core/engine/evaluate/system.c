@@ -150,12 +150,13 @@ static hk_status start(hk_dynamics *d, hk_instance *instance) {
 }
 
 hk_status hk_dynamics_start(hk_dynamics *d) {
-  static const hk_kind order[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_INTEGRATOR, HK_OUTPUT};
+  static const hk_kind order[] = {HK_CONSTRAINT, HK_FORCE, HK_CORRECTOR, HK_SOURCE, HK_INTEGRATOR, HK_OUTPUT};
   hk_status status = HK_OK;
   for (size_t o = 0; o < sizeof order / sizeof *order && status == HK_OK; o++) {
     const hk_instances *list = &d->plugins->kind[order[o]];
     for (size_t k = 0; k < list->count && status == HK_OK; k++) status = start(d, list->item[k]);
-    hk_dynamics_refresh(d); /* the forces' selections of particles are known now */
+    hk_dynamics_refresh(d);                            /* the forces' selections of particles are known now */
+    if (status == HK_OK) status = hk_joins_refresh(d); /* which surfaces of contact take for strands */
   }
   return status == HK_OK ? hk_elements_refresh(d) : status;
 }

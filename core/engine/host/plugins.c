@@ -31,8 +31,8 @@ hk_instance *hk_plugins_one(const hk_plugins *plugins, hk_kind kind) {
 
 hk_status hk_plugins_remap(hk_plugins *plugins, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,
                            hk_error *error) {
-  static const hk_kind order[] = {HK_SERVICE,   HK_SOURCE, HK_FORCE,      HK_CONSTRAINT,
-                                  HK_CORRECTOR, HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER};
+  static const hk_kind order[] = {HK_CONSTRAINT, HK_SERVICE, HK_SOURCE,     HK_FORCE,
+                                  HK_CORRECTOR,  HK_OUTPUT,  HK_INTEGRATOR, HK_SOLVER};
   for (size_t o = 0; o < sizeof order / sizeof *order; o++)
     for (size_t k = 0; k < plugins->kind[order[o]].count; k++) {
       hk_instance *instance = plugins->kind[order[o]].item[k];

@@ -69,11 +69,17 @@ static void judge_energy(const hk_evidence *e, const hk_comparisons *c, hk_opini
     find(o, HK_ENERGY_OF_MEAN, drift, excess, e->order);
 }
 
+/* J: work of the mean force of contact on a way that nobody sees, as of what lies still to the tolerance of contact. */
+static double slight_work(const hk_evidence *e) {
+  double impulse = e->record->contact.impulse, t = e->figures->t;
+  return impulse > 0 && t > 0 ? hk_limit.rounding * e->extent * impulse / t : 0;
+}
+
 /* Surfaces that push each other make a run wrong whoever agrees with it: other methods have the same contact. */
 static void judge_contact_energy(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
   const hk_summary *s = e->figures;
   double given = e->record->contact_rise;
-  if (given > hk_limit.visible * s->kinetic_max && given > hk_energy_rounding(s))
+  if (given > hk_limit.visible * s->kinetic_max && given > fmax(hk_energy_rounding(s), slight_work(e)))
     find(o, HK_CONTACT_ENERGY, given, NAN, 0);
   else if (hk_confirmed(c) && e->record->contact_frames > 0 && s->energy_drift > 0)
     judge_energy(e, c, o);

@@ -189,7 +189,8 @@ static double affordable(const hk_run *whole, const hk_summary *s) {
   double checks = whole->judgement.comparisons.wall_s;
   double spent = whole->loop.seconds + (checks > 0 ? checks : 0);
   if (s->contact_frames > 0) return fmin(fmax(in_contact * spent, least), most);
-  return s->accuracies > 0 ? fmin(fmax(spent, least), most) : 0;
+  /* Impacts follow the order of the method no better where no surfaces are in contact. */
+  return s->accuracies > 0 || hk_is_abrupt(&whole->loop) ? fmin(fmax(spent, least), most) : 0;
 }
 
 /* HK_OK: it came to its end, and *r says whether it is ok, *next what it is told itself, *cost (s) what that would

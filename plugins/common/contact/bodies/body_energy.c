@@ -1,5 +1,6 @@
 /* Newton's restitution with Coulomb's friction may give energy to a body whose tangential speed turns round in the
- * impact (Kane and Levinson 1985, Dynamics, theory and applications, section 5.11). Of the solutions with the given
+ * impact (Kane and Levinson 1985, Dynamics, theory and applications, section 5.11), and without friction where one
+ * impact of a body stops what leaves by another. Of the solutions with the given
  * restitution and with none, both keep the equations and their impulses lie in Coulomb's cone; so do all mixtures of
  * them, as both are convex. Without restitution energy is never made (Moreau 1988), so there is a mixture that keeps
  * it: impacts with the largest part of the restitution for which the kinetic energy does not grow. */
@@ -8,7 +9,8 @@
 
 #include <string.h>
 
-static const double rounding = 1e-13; /* of the kinetic energy */
+/* Of the kinetic energy; `left` by solutions of what keeps it, without friction and with e = 1. */
+static const double rounding = 1e-13, left = 1e-9;
 
 /* J: a . M b / 2 of two sets of velocities. */
 static double product(const hk_body_impacts *s, const hk_step_move *m, const double *a, const double *b) {
@@ -26,9 +28,9 @@ bool hk_body_energy_grew(const hk_body_impacts *s, const hk_contact_solver *solv
     rubs |= hk_body_friction(s, solver, e) > 0;
     bounces |= k->speed.target > k->plastic;
   }
-  if (!rubs || !bounces) return false;
+  if (!bounces) return false;
   double was = product(s, m, s->before, s->before);
-  return product(s, m, m->v, m->v) > (1 + rounding) * was;
+  return product(s, m, m->v, m->v) > (1 + (rubs ? rounding : left)) * was;
 }
 
 void hk_body_energy_restart(hk_body_impacts *s, hk_contact_solver *solver, hk_step_move *m) {

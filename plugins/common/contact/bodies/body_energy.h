@@ -4,8 +4,8 @@
 
 #include "plugins/common/contact/bodies/body_system.h"
 
-/* Whether the velocities after impacts, v, have more kinetic energy than those `before`, where friction and restitution
- * are at work and nothing may add to it. */
+/* Whether the velocities after impacts, v, have more kinetic energy than those `before`, where restitution is at
+ * work and nothing may add to it. */
 bool hk_body_energy_grew(const hk_body_impacts *, const hk_contact_solver *, const hk_step_move *);
 /* Takes the speeds back to those before, with targets without restitution. */
 void hk_body_energy_restart(hk_body_impacts *, hk_contact_solver *, hk_step_move *);

@@ -43,6 +43,7 @@ void hk_impact_set(hk_impact *k, const hk_step_move *m, double restitution, bool
     k->plastic = fmax(0, u_1 - u);
     k->part = s;
     k->speed_then = u < -fabs(u_1 - u_0) ? u : 0;
+    if (c_0 > offset) k->speed_then = fmin(u, (c_1 - c_0) / m->h); /* however much a body's turn changes it */
   }
   for (int c = 0; c < 3; c++) k->place.origin[c] = from[c] + s * (to[c] - from[c]);
   k->place.target = offset - hk_dot(n, k->place.origin) + gap;

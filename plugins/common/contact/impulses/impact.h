@@ -39,7 +39,7 @@ typedef struct hk_impact {
   double plastic;      /* m/s: speed.target without restitution */
   double part;         /* of the step, at which the gap closes; 1: it does not */
   double speed_then;   /* m/s, along the normal, below 0; 0: the step changes its speed by as much, as of contact that
-                          lasts */
+                          lasts; none lasts that starts as far apart again as its features touch */
   double motion;       /* m/s, size of the relative velocity of the nearest points at the start of the step */
   bool rested;         /* it is contact that lasts and was given an impulse of the last step (warm_start.h) */
 } hk_impact;

@@ -23,7 +23,7 @@ typedef struct hk_contact_sums {
      .number = HK_AT(TYPE, params.thickness), .initial = {1e-3}, .limits = HK_ABOVE_TO(0, 1e6)},                       \
     {"body_thickness", "m", "of obstacles, surfaces that are pinned as a whole; half of it is outside",                \
      .number = HK_AT(TYPE, params.body_thickness), .limits = HK_WITHIN(0, 1e6)},                                       \
-    {"radius", "m", "of strands and isolated particles", .number = HK_AT(TYPE, params.radius), .initial = {5e-4},          \
+    {"radius", "m", "of strands, bars and isolated particles", .number = HK_AT(TYPE, params.radius), .initial = {5e-4},          \
      .limits = HK_ABOVE_TO(0, 1e6)},                                                                                   \
     {"leave", "", "particles that have no part in contact", .particles = HK_AT(TYPE, params.leave),                    \
      .flags = HK_OPTIONAL},                                                                                            \

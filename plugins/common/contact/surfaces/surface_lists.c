@@ -3,8 +3,11 @@
 #include "plugins/common/contact/surfaces/surface_lists.h"
 
 #include "plugins/common/space/union_find.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
+
+static const double welded = 1e-6; /* of the radius: what is nearer than that is one place */
 
 typedef struct side {
   uint32_t end[2]; /* rising */
@@ -40,7 +43,9 @@ void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
 static bool reserve(builder *b) {
   const hk_model *m = b->view->model;
   const hk_host *host = b->host;
-  size_t n = m->n, sides = 3 * m->triangles.count + m->edges.count, edges = sides + n;
+  size_t n = m->n, edges, sides = 3 * m->triangles.count + m->edges.count;
+  for (size_t l = 0; l < m->join_lists; l++) sides += m->join[l]->count;
+  edges = sides + n;
   hk_surface_lists *l = b->lists;
   l->in_triangle = b->in_triangle = host->allocate(host, n * sizeof *b->in_triangle);
   b->in_strand = host->allocate(host, n * sizeof *b->in_strand);
@@ -162,15 +167,28 @@ static hk_status take_sides(builder *b) {
 /* ---- strands and isolated particles ---- */
 
 /* An edge between two particles of triangles is one of theirs, or a spring across them; it takes no room. */
+static void take_strand(builder *b, const uint32_t e[2]) {
+  if (b->in_triangle[e[0]] && b->in_triangle[e[1]]) return;
+  b->in_strand[e[0]] = b->in_strand[e[1]] = true;
+  if (!b->left[e[0]] && !b->left[e[1]]) add_side(b, e[0], e[1], UINT32_MAX, 0);
+}
+
+/* Whether what a constraint joins is a strand: points of rigid bodies are no ends, and a weld of one place no length.
+ */
+static bool is_strand(const builder *b, const uint32_t e[2]) {
+  const hk_model *m = b->view->model;
+  double way[3];
+  hk_subtract(way, b->view->x + 3 * (size_t)e[0], b->view->x + 3 * (size_t)e[1]);
+  return m->pin[e[0]] != HK_PIN_RIDES && m->pin[e[1]] != HK_PIN_RIDES && hk_length(way) > welded * b->request->radius;
+}
+
 static void take_strands(builder *b) {
-  const hk_tuples *all = &b->view->model->edges;
+  const hk_model *m = b->view->model;
   b->count = 0;
-  for (size_t k = 0; k < all->count; k++) {
-    const uint32_t *e = hk_tuple(all, k);
-    if (b->in_triangle[e[0]] && b->in_triangle[e[1]]) continue;
-    b->in_strand[e[0]] = b->in_strand[e[1]] = true;
-    if (!b->left[e[0]] && !b->left[e[1]]) add_side(b, e[0], e[1], UINT32_MAX, 0);
-  }
+  for (size_t k = 0; k < m->edges.count; k++) take_strand(b, hk_tuple(&m->edges, k));
+  for (size_t l = 0; l < m->join_lists; l++)
+    for (size_t k = 0; k < m->join[l]->count; k++)
+      if (is_strand(b, hk_tuple(m->join[l], k))) take_strand(b, hk_tuple(m->join[l], k));
   sort_by(b, 1);
   sort_by(b, 0);
   for (size_t k = 0; k < b->count; k++)

@@ -20,7 +20,7 @@
 typedef struct hk_surface_request {
   double thickness;       /* m, of surfaces of triangles whose particles can move: their radius is half of it */
   double body_thickness;  /* m, of surfaces of triangles that are pinned as a whole (obstacles) */
-  double radius;          /* m, of strands and isolated particles */
+  double radius;          /* m, of strands, bars and isolated particles */
   const hk_tuples *leave; /* arity 1: particles excluded from contact, with all their triangles and edges; NULL or
                              empty: none. For particles inside of a solid, and roots of hair on a skin of triangles. */
   const char *plugin; /* the name of the plugin that joins: another of that name with another friction is refused. It

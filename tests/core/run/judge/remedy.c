@@ -139,6 +139,46 @@ static void a_step_that_was_tried_would_do(void **state) {
   assert_int_equal(r.code, 0);
 }
 
+/* A chain with weights hangs over a cylinder, with friction that holds it: steps of a frame land with too much energy,
+ * by an error that follows no order. */
+static void steps_of_impacts_are_tried(void **state) {
+  (void)state;
+  test_write("capstan.lua",
+             "local scene = hooke.scene { duration = 0.1, fps = 50, integrator = 'leapfrog' }\n"
+             "local n, R, ids, edges = 16, 0.1, {}, {}\n"
+             "local turn = math.pi / n\n"
+             "local out = (R + 1e-6) / math.cos(turn / 2)\n"
+             "local l = 2 * out * math.sin(turn / 2)\n"
+             "local function bead(x, z, m) ids[#ids + 1] = scene:particle { position = { x, 0, z }, mass = m } end\n"
+             "for k = 6, 1, -1 do bead(-R - 1e-6, l * (0.5 - k), k == 6 and 1 or 0.01) end\n"
+             "for k = 1, n do bead(-out * math.cos(turn * (k - 0.5)), out * math.sin(turn * (k - 0.5)), 0.01) end\n"
+             "for k = 1, 6 do bead(R + 1e-6, l * (0.5 - k), k == 6 and 2 or 0.01) end\n"
+             "for k = 2, #ids do edges[k - 1] = { ids[k - 1], ids[k] } end\n"
+             "scene:force('gravity')\n"
+             "scene:constraint('bars', { edges = edges })\n"
+             "scene:corrector('obstacle', { shape = 'cylinder', size = { 2 * R, 2 * R, 1 },\n"
+             "  rotation = { math.pi / 2, 0, 0 }, friction = 0.3 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run capstan.lua --json --quiet --no-output");
+  assert_int_equal(r.code, 5);
+  if (!strstr(r.out, "would do: a run with it is ok")) fail_msg("%s", r.out);
+}
+
+/* A triangle of bars lies on a slope that holds it by friction: it starts in contact, and nothing moves. What it creeps
+ * within the tolerance of contact is no energy that contact gave. */
+static void what_lies_still_needs_none(void **state) {
+  (void)state;
+  test_write("lies.lua", "local scene = hooke.scene { duration = 0.5, fps = 50, integrator = 'leapfrog' }\n"
+                         "local a, ids = math.rad(20), {}\n"
+                         "for k, p in ipairs { { 0, 0 }, { 0.3, 0.05 }, { 0.1, 0.25 } } do\n"
+                         "  ids[k] = scene:particle { position = { p[1], p[2], 5e-4 }, mass = 0.1 * k }\nend\n"
+                         "scene:constraint('bars', { edges = { { 1, 2 }, { 2, 3 }, { 1, 3 } } })\n"
+                         "scene:force('gravity', { g = { 9.81 * math.sin(a), 0, -9.81 * math.cos(a) } })\n"
+                         "scene:body { shape = 'plane', size = 5 }\n"
+                         "scene:corrector('contact', { friction = 1.01 * math.tan(a) })\nreturn scene\n");
+  test_hooke(&r, NULL, "run lies.lua --json --quiet --no-output");
+  if (r.code != 0) fail_msg("%s", r.out);
+}
+
 static void a_run_that_is_ok_has_none(void **state) {
   (void)state;
   run("--integrator rk4 --dt 0.001 --accuracy 1e-3");
@@ -154,6 +194,8 @@ int main(void) {
       cmocka_unit_test(what_it_rests_on_is_said),
       cmocka_unit_test(a_step_that_would_not_do_is_not_offered),
       cmocka_unit_test(a_step_that_was_tried_would_do),
+      cmocka_unit_test(steps_of_impacts_are_tried),
+      cmocka_unit_test(what_lies_still_needs_none),
       cmocka_unit_test(a_run_that_is_ok_has_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
