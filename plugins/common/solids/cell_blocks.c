@@ -47,21 +47,48 @@ static void multiply(const hk_cells *s, const hk_view *view, const hk_cell *cell
   }
 }
 
-/* K += factor H, whose entry H_ab w = w x c/6: column d of it is e_d x c/6. */
+/* K += factor H_ab, H_ab w = w x c/6 with the triangle's third corner at c: column d of it is e_d x c/6. */
+static void add_corner_pair(double *K, size_t a, size_t b, const double c[3], double factor) {
+  double f = (b == (a + 1) % 3 ? factor : -factor) / 6;
+  K[1] += f * c[2], K[2] -= f * c[1];
+  K[3] -= f * c[2], K[5] += f * c[0];
+  K[6] += f * c[1], K[7] -= f * c[0];
+}
+
 static void add_hessian(const hk_cells *s, const hk_view *view, const hk_cell *cell, double factor, const size_t *slot,
                         double *K) {
   double at[3][3];
   for (size_t k = cell->first; k < cell->first + cell->triangles; k++) {
     corners(s, view, cell, k, at);
     for (size_t a = 0; a < 3; a++)
+      for (size_t b = 0; b < 3; b++)
+        if (a != b)
+          add_corner_pair(K + 9 * slot[cell->members * s->local[3 * k + a] + s->local[3 * k + b]], a, b, at[3 - a - b],
+                          factor);
+  }
+}
+
+void hk_cells_corner_pattern(const hk_cells *s, hk_pattern *pattern) {
+  for (size_t c = 0; c < s->acting; c++)
+    for (size_t k = s->cell[c].first; k < s->cell[c].first + s->cell[c].triangles; k++) {
+      const uint32_t *corner = hk_tuple(&s->triangles.acting, k);
+      for (size_t a = 0; a < 3; a++)
+        for (size_t b = 0; b < 3; b++)
+          if (a != b) pattern->block(pattern, corner[a], corner[b]);
+    }
+}
+
+void hk_cells_corner_jacobian(const hk_cells *s, const hk_view *view, size_t c, double z, const hk_blocks *into,
+                              size_t *next) {
+  const hk_cell *cell = &s->cell[c];
+  double at[3][3];
+  for (size_t k = cell->first; k < cell->first + cell->triangles; k++) {
+    corners(s, view, cell, k, at);
+    for (size_t a = 0; a < 3; a++)
       for (size_t b = 0; b < 3; b++) {
         if (a == b) continue;
-        const double *c = at[3 - a - b];
-        double *into = K + 9 * slot[cell->members * s->local[3 * k + a] + s->local[3 * k + b]];
-        double f = (b == (a + 1) % 3 ? factor : -factor) / 6;
-        into[1] += f * c[2], into[2] -= f * c[1];
-        into[3] -= f * c[2], into[5] += f * c[0];
-        into[6] += f * c[1], into[7] -= f * c[0];
+        double *K = into->K + 9 * into->slot[(*next)++];
+        if (!(into->want & HK_WANT_DEFINITE)) add_corner_pair(K, a, b, at[3 - a - b], z);
       }
   }
 }
