@@ -66,25 +66,24 @@ static hk_status topology(void *self, const hk_view *view) {
 
 /* ---- forces ------------------------------------------------------------------------------------------------------ */
 
-/* F = -z grad V, and dz/dV. */
-static hk_cell_pressure pressure_of(const pressure *s, const hk_cell *cell) {
-  if (s->exponent == 0) return (hk_cell_pressure){.z = -s->p};
-  double V = cell->volume, inside = (s->ambient + s->p) * pow(s->cells.rest[cell->number] / V, s->exponent);
-  return (hk_cell_pressure){.stiffness = s->exponent * inside / V, .z = s->ambient - inside};
+/* Below this part of V_0 p_in follows its tangent, so that force and energy are finite where a surface is crushed, or
+ * turned inside out, and push it back. Air of the atmosphere would be as dense there as when it is liquid (of 1.2
+ * kg/m^3 and 870), and no ideal gas. */
+static const double DENSEST = 1e-3;
+
+/* The absolute pressure, and -dp_in/dV. */
+static double inside_of(const pressure *s, const hk_cell *cell, double *stiffness) {
+  double rest = s->cells.rest[cell->number], least = DENSEST * rest, V = fmax(cell->volume, least);
+  double p = (s->ambient + s->p) * pow(rest / V, s->exponent);
+  *stiffness = s->exponent * p / V;
+  return p + *stiffness * (V - cell->volume);
 }
 
-/* A gas in no volume has no pressure. */
-static hk_status check_volumes(const pressure *s, const hk_view *view) {
-  for (size_t c = 0; c < s->cells.acting && s->exponent > 0; c++) {
-    const hk_cell *cell = &s->cells.cell[c];
-    if (cell->volume > 0) continue;
-    return view->host->fail(
-        view->host, HK_NOT_FINITE,
-        "the surface of particle %u and others has turned inside out, its volume is %.3g m^3 of %.3g "
-        "at t = %.6g s: no gas is in it; take a shorter step, or a stiffer or heavier surface",
-        view->model->id[s->cells.member[cell->member]], cell->volume, s->cells.rest[cell->number], view->t);
-  }
-  return HK_OK;
+/* F = -z grad V, and dz/dV. */
+static hk_cell_pressure pressure_of(const pressure *s, const hk_cell *cell) {
+  hk_cell_pressure p = {.z = -s->p};
+  if (s->exponent > 0) p.z = s->ambient - inside_of(s, cell, &p.stiffness);
+  return p;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
@@ -92,8 +91,6 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   size_t triangles = s->cells.triangles.acting.count, at = 0;
   double(*load)[3] = s->cells.triangles.load;
   hk_cells_measure(&s->cells, view, false);
-  hk_status status = check_volumes(s, view);
-  if (status != HK_OK) return status;
   for (size_t c = 0; c < s->cells.acting; c++) {
     const hk_cell *cell = &s->cells.cell[c];
     double z = pressure_of(s, cell).z;
@@ -106,9 +103,14 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
-/* int_{V_0}^V p_in dV over (p_out + p) V_0, with q = V/V_0: ln q, or (q^(1 - n) - 1)/(1 - n), which expm1 has without
- * cancellation near n = 1 and q = 1. */
-static double expansion(double n, double q) { return n == 1 ? log(q) : expm1((1 - n) * log(q)) / (1 - n); }
+/* int_{V_0}^V p_in dV: of the ideal gas (p_out + p) V_0 times ln q or (q^(1 - n) - 1)/(1 - n), q = V/V_0, which expm1
+ * has without cancellation near n = 1 and q = 1. */
+static double work_of(const pressure *s, const hk_cell *cell) {
+  double rest = s->cells.rest[cell->number], q = fmax(cell->volume / rest, DENSEST), n = s->exponent, stiffness;
+  double beyond = fmin(0, cell->volume - DENSEST * rest), p = inside_of(s, cell, &stiffness);
+  double gas = n == 1 ? log(q) : expm1((1 - n) * log(q)) / (1 - n);
+  return (s->ambient + s->p) * rest * gas + beyond * (p + stiffness * beyond / 2);
+}
 
 static double energy(void *self, const hk_view *view) {
   pressure *s = self;
@@ -116,11 +118,8 @@ static double energy(void *self, const hk_view *view) {
   hk_cells_measure(&s->cells, view, false);
   for (size_t c = 0; c < s->cells.acting; c++) {
     const hk_cell *cell = &s->cells.cell[c];
-    double rest = s->cells.rest[cell->number], change = cell->volume - rest;
-    if (s->exponent == 0)
-      sum -= s->p * change;
-    else
-      sum += s->ambient * change - (s->ambient + s->p) * rest * expansion(s->exponent, cell->volume / rest);
+    double change = cell->volume - s->cells.rest[cell->number];
+    sum += s->exponent == 0 ? -s->p * change : s->ambient * change - work_of(s, cell);
   }
   return sum;
 }
@@ -138,7 +137,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   pressure *s = self;
   size_t next = 0;
   hk_cells_measure(&s->cells, view, true);
-  hk_status status = check_volumes(s, view);
+  hk_status status = HK_OK;
   for (size_t c = 0; c < s->cells.acting && status == HK_OK; c++) {
     const hk_cell *cell = &s->cells.cell[c];
     hk_cell_pressure p = pressure_of(s, cell);

@@ -19,7 +19,8 @@ void hk_cells_pattern(const hk_cells *, hk_pattern *pattern);
 void hk_cells_jacobian(const hk_cells *, const hk_view *view, size_t c, hk_cell_pressure, const hk_blocks *into,
                        size_t *next, double (*gradient)[3]);
 /* Of cells whose pressure z is given, -dF/dx = z H: the blocks between the corners of each triangle, for any number of
- * members. HK_WANT_DEFINITE omits them; they are symmetric since the surface is closed. */
+ * members. They are symmetric since the surface is closed; HK_WANT_DEFINITE projects those of each side of a triangle.
+ */
 void hk_cells_corner_pattern(const hk_cells *, hk_pattern *pattern);
 void hk_cells_corner_jacobian(const hk_cells *, const hk_view *view, size_t c, double z, const hk_blocks *into,
                               size_t *next);
