@@ -46,7 +46,7 @@ typedef struct hk_solver {
 
 /* ---- "solvers/1", which the host serves itself ------------------------------------------------------------------- */
 
-/* For forces, correctors and others that solve sparse linear systems of their own, A x = b: a pressure, a potential.
+/* For forces, correctors and others that solve sparse linear systems of their own, A x = b: a projection, a potential.
  * Each has a solver plugin of its own, apart from that of an implicit method: they share nothing. The calls use the
  * host's threads, so not inside a parallel_for nor in `add_part`; for the same A and b, x has the same bits whatever
  * their number. Errors name the plugin that asked; return their status, as the run ends by it. */

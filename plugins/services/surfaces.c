@@ -260,6 +260,27 @@ static void crossing_point(const double *x, const uint32_t *e, const uint32_t *t
   for (int c = 0; c < 3; c++) at[c] = x[3 * e[0] + c] + part * (x[3 * e[1] + c] - x[3 * e[0] + c]);
 }
 
+/* The first of them by its particles, and the box that has all, where the text has room for it. */
+static void name_places(const surfaces *s, const hk_view *view, const hk_surface_intersections *found, char *text,
+                        size_t room) {
+  const uint32_t *id = view->model->id;
+  double at[3], low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  int length = 0;
+  for (size_t k = 0; k < found->count; k++) {
+    const uint32_t *e = s->lists.mesh.edge[found->pair[k][0]], *t = s->lists.mesh.triangle[found->pair[k][1]];
+    crossing_point(view->x, e, t, at);
+    for (int c = 0; c < 3; c++) low[c] = fmin(low[c], at[c]), high[c] = fmax(high[c], at[c]);
+    if (k == 0)
+      length = snprintf(text, room, "edge %u %u and triangle %u %u %u at (%.4g, %.4g, %.4g) m", id[e[0]], id[e[1]],
+                        id[t[0]], id[t[1]], id[t[2]], at[0], at[1], at[2]);
+  }
+  if (found->count < 2 || length < 0 || (size_t)length >= room) return;
+  size_t left = room - (size_t)length;
+  int more = snprintf(text + length, left, ", all from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m", low[0], low[1],
+                      low[2], high[0], high[1], high[2]);
+  if (more < 0 || (size_t)more >= left) text[length] = 0;
+}
+
 static hk_status report(void *self, const hk_view *view, hk_contact_report *out) {
   surfaces *s = self;
   hk_surface_intersections found;
@@ -267,12 +288,7 @@ static hk_status report(void *self, const hk_view *view, hk_contact_report *out)
   out->intersections = found.count;
   out->first[0] = 0;
   if (status != HK_OK || found.count == 0) return status;
-  const uint32_t *id = view->model->id, *e = s->lists.mesh.edge[found.pair[0][0]],
-                 *t = s->lists.mesh.triangle[found.pair[0][1]];
-  double at[3];
-  crossing_point(view->x, e, t, at);
-  snprintf(out->first, sizeof out->first, "edge %u %u and triangle %u %u %u at (%.4g, %.4g, %.4g) m", id[e[0]],
-           id[e[1]], id[t[0]], id[t[1]], id[t[2]], at[0], at[1], at[2]);
+  name_places(s, view, &found, out->first, sizeof out->first);
   out->remedy = "scene:corrector(\"untangle\", { thickness = ... }) does it";
   return HK_OK;
 }

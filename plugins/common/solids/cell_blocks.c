@@ -47,22 +47,66 @@ static void multiply(const hk_cells *s, const hk_view *view, const hk_cell *cell
   }
 }
 
-/* K += factor H, whose entry H_ab w = w x c/6: column d of it is e_d x c/6. */
+/* K += factor H_ab, H_ab w = w x c/6 with the triangle's third corner at c: column d of it is e_d x c/6. */
+static void add_corner_pair(double *K, size_t a, size_t b, const double c[3], double factor) {
+  double f = (b == (a + 1) % 3 ? factor : -factor) / 6;
+  K[1] += f * c[2], K[2] -= f * c[1];
+  K[3] -= f * c[2], K[5] += f * c[0];
+  K[6] += f * c[1], K[7] -= f * c[0];
+}
+
 static void add_hessian(const hk_cells *s, const hk_view *view, const hk_cell *cell, double factor, const size_t *slot,
                         double *K) {
   double at[3][3];
   for (size_t k = cell->first; k < cell->first + cell->triangles; k++) {
     corners(s, view, cell, k, at);
     for (size_t a = 0; a < 3; a++)
-      for (size_t b = 0; b < 3; b++) {
-        if (a == b) continue;
-        const double *c = at[3 - a - b];
-        double *into = K + 9 * slot[cell->members * s->local[3 * k + a] + s->local[3 * k + b]];
-        double f = (b == (a + 1) % 3 ? factor : -factor) / 6;
-        into[1] += f * c[2], into[2] -= f * c[1];
-        into[3] -= f * c[2], into[5] += f * c[0];
-        into[6] += f * c[1], into[7] -= f * c[0];
-      }
+      for (size_t b = 0; b < 3; b++)
+        if (a != b)
+          add_corner_pair(K + 9 * slot[cell->members * s->local[3 * k + a] + s->local[3 * k + b]], a, b, at[3 - a - b],
+                          factor);
+  }
+}
+
+void hk_cells_corner_pattern(const hk_cells *s, hk_pattern *pattern) {
+  for (size_t c = 0; c < s->acting; c++)
+    for (size_t k = s->cell[c].first; k < s->cell[c].first + s->cell[c].triangles; k++) {
+      const uint32_t *corner = hk_tuple(&s->triangles.acting, k);
+      for (size_t e = 0; e < 9; e++) pattern->block(pattern, corner[e / 3], corner[e % 3]);
+    }
+}
+
+/* K += size (1 - a a^T/a^2) */
+static void add_across(double *K, const double a[3], double size) {
+  double square = hk_dot(a, a);
+  for (size_t e = 0; e < 9; e++) K[e] += size * ((e % 4 == 0) - (square > 0 ? a[e / 3] * a[e % 3] / square : 0));
+}
+
+/* One side of a triangle, with the corners a and b, and its arm from the middle of the side to the third corner: M = (0
+ * S; S^T 0), S w = z w x arm/6, whose eigenvalues are s = |z arm|/6, -s and 0, the first two twice. Its definite part
+ * is (M + |M|)/2, |M| = s (1 - arm arm^T/arm^2) at both corners. */
+static void add_side(const hk_blocks *into, const size_t slot[9], size_t a, size_t b, const double arm[3], double z) {
+  bool definite = into->want & HK_WANT_DEFINITE;
+  double part = definite ? z / 2 : z;
+  add_corner_pair(into->K + 9 * slot[3 * a + b], a, b, arm, part);
+  add_corner_pair(into->K + 9 * slot[3 * b + a], b, a, arm, part);
+  if (!definite) return;
+  double size = fabs(part) * hk_length(arm) / 6;
+  add_across(into->K + 9 * slot[4 * a], arm, size);
+  add_across(into->K + 9 * slot[4 * b], arm, size);
+}
+
+void hk_cells_corner_jacobian(const hk_cells *s, const hk_view *view, size_t c, double z, const hk_blocks *into,
+                              size_t *next) {
+  const hk_cell *cell = &s->cell[c];
+  double at[3][3], arm[3];
+  for (size_t k = cell->first; k < cell->first + cell->triangles; k++, *next += 9) {
+    corners(s, view, cell, k, at);
+    for (size_t e = 0; e < 3; e++) {
+      size_t a = (e + 1) % 3, b = (e + 2) % 3;
+      for (int d = 0; d < 3; d++) arm[d] = at[e][d] - (at[a][d] + at[b][d]) / 2;
+      add_side(into, into->slot + *next, a, b, arm, z);
+    }
   }
 }
 

@@ -18,6 +18,12 @@ void hk_cells_pattern(const hk_cells *, hk_pattern *pattern);
  * added. `gradient`: room for 6 numbers per member. */
 void hk_cells_jacobian(const hk_cells *, const hk_view *view, size_t c, hk_cell_pressure, const hk_blocks *into,
                        size_t *next, double (*gradient)[3]);
+/* Of cells whose pressure z is given, -dF/dx = z H: the blocks between the corners of each triangle, for any number of
+ * members. They are symmetric since the surface is closed; HK_WANT_DEFINITE projects those of each side of a triangle.
+ */
+void hk_cells_corner_pattern(const hk_cells *, hk_pattern *pattern);
+void hk_cells_corner_jacobian(const hk_cells *, const hk_view *view, size_t c, double z, const hk_blocks *into,
+                              size_t *next);
 /* Adds a bound of stiffness (g.u)^2 and, with `curved`, of z u.H u. */
 void hk_cells_bound(const hk_cells *, const hk_view *view, size_t c, hk_cell_pressure, bool curved,
                     double (*gradient)[3], double (*block)[6]);

@@ -69,6 +69,7 @@ static void without_it_the_start_is_refused(void **state) {
   test_hooke(&r, NULL, "run bump.lua --no-output --integrator leapfrog");
   assert_true(r.code != 0);
   assert_non_null(strstr(r.err, "surfaces intersect at the start"));
+  assert_non_null(strstr(r.err, " m, all from (0.307, 0.301, "));
   assert_non_null(strstr(r.err, ") m: start them apart; or scene:corrector(\"untangle\""));
 }
 
@@ -103,6 +104,49 @@ static void other_tangles_become_free(void **state) {
                                       "scene:corrector('contact')\nscene:corrector('untangle')\nreturn scene\n", NULL});
     run("other.lua --no-output --integrator leapfrog");
     expect_freed(4);
+  }
+}
+
+/* A square sheet that is folded without strain as a cone, whose section on the unit sphere is a figure of eight of the
+ * length 2 pi: it passes through itself along one line, from the cone's tip inside of it to its border. */
+static const char *const fold =
+    "local n, L, steps, ratio = 13, 0.4, 1000, param('ratio', 0.5)\n"
+    "local function eight(a, t)\n  local y, z = a * math.sin(t), a * ratio * math.sin(2 * t)\n"
+    "  local l = math.sqrt(1 + y * y + z * z)\n  return 1 / l, y / l, z / l\nend\n"
+    "local sums = { [0] = 0 }\n"
+    "local function measure(a)\n  local px, py, pz = eight(a, 0)\n  for k = 1, steps do\n"
+    "    local x, y, z = eight(a, 2 * math.pi * k / steps)\n"
+    "    sums[k] = sums[k - 1] + math.sqrt((x - px) ^ 2 + (y - py) ^ 2 + (z - pz) ^ 2)\n"
+    "    px, py, pz = x, y, z\n  end\n  return sums[steps]\nend\n"
+    "local low, high = 0.1, 50\nfor _ = 1, 40 do\n  local a = (low + high) / 2\n"
+    "  if measure(a) < 2 * math.pi then low = a else high = a end\nend\n"
+    "local x, faces, flat = {}, {}, {}\n"
+    "for j = 0, n - 1 do for i = 0, n - 1 do\n"
+    "  local u, v = L * (i / (n - 1) - 0.4871), L * (j / (n - 1) - 0.4637)\n"
+    "  local r, at, k = math.sqrt(u * u + v * v), (math.atan(v, u) + 0.3) % (2 * math.pi), 0\n"
+    "  while k < steps - 1 and sums[k + 1] < at do k = k + 1 end\n"
+    "  local a, b, c = eight(low, 2 * math.pi * (k + (at - sums[k]) / (sums[k + 1] - sums[k])) / steps)\n"
+    "  x[#x + 1], flat[#flat + 1] = { r * a, r * b, r * c }, { u, v }\nend end\n"
+    "for j = 0, n - 2 do for i = 1, n - 1 do\n  local k = j * n + i\n"
+    "  faces[#faces + 1] = { k, k + 1, k + n + 1 }\n  faces[#faces + 1] = { k, k + n + 1, k + n }\nend end\n"
+    "local m = scene:mesh { vertices = x, faces = faces, density = 0.2 }\n"
+    "local edges, rest = m:edges(), {}\nfor e = 1, #edges do\n  local a, b = flat[edges[e][1]], flat[edges[e][2]]\n"
+    "  rest[e] = math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2)\nend\n"
+    "scene:force('springs', { edges = edges, rest = rest, k = 10, damping = 0.02 })\nscene:force('drag', { rate = 5 "
+    "})\n"
+    "scene:corrector('contact', { thickness = 2e-5 })\nscene:corrector('untangle', { thickness = 2e-5 })\n"
+    "return scene\n";
+
+static void an_open_path_to_the_tip_of_a_fold_becomes_free(void **state) {
+  (void)state;
+  write_scene("fold.lua", (const char *const[]){HEAD("duration = 0.05"), fold, NULL});
+  for (int k = 3; k < 9; k += 2) {
+    char arguments[128];
+    snprintf(arguments, sizeof arguments, "fold.lua ratio=0.%d --no-output --integrator leapfrog", k);
+    run(arguments);
+    expect_freed(20);
+    assert_non_null(
+        strstr(r.err, "0 closed, 0 from border to border, 1 to the tip of a fold, 0 others) are gone at t = "));
   }
 }
 
@@ -210,6 +254,7 @@ int main(void) {
       cmocka_unit_test(a_tangled_start_becomes_free),
       cmocka_unit_test(without_it_the_start_is_refused),
       cmocka_unit_test(other_tangles_become_free),
+      cmocka_unit_test(an_open_path_to_the_tip_of_a_fold_becomes_free),
       cmocka_unit_test(a_vertex_between_closing_planes_sticks),
       cmocka_unit_test(bodies_that_close_altogether_are_survived),
       cmocka_unit_test(threads_and_checkpoints_leave_the_same_bits),

@@ -164,7 +164,9 @@ static void a_report_counts_and_names(void **state) {
   x[0] = x[1] = 0.1;
   assert_int_equal(s->report(s->self, &view, &report), HK_OK);
   assert_int_equal(report.intersections, 2);
-  assert_string_equal(report.first, "edge 1 2 and triangle 4 5 6 at (0.55, 0.05, 0.01) m");
+  assert_string_equal(report.first,
+                      "edge 1 2 and triangle 4 5 6 at (0.55, 0.05, 0.01) m, all from (0.05, 0.05, 0.01) to (0.55, "
+                      "0.55, 0.01) m");
   x[5] = NAN;
   assert_int_equal(s->report(s->self, &view, &report), HK_NOT_FINITE);
   assert_non_null(strstr(e.run->error.text, "particle 2 is at (1, 0, nan) m"));

@@ -13,6 +13,8 @@ typedef struct hk_untangling_pull {
   uint32_t vertex[HK_UNTANGLING_PULL]; /* of the first, and of the triangle; a vertex stands twice */
   double w[HK_UNTANGLING_PULL];        /* their weights, those of the triangle negative */
   double way[3];                       /* m: sum w move */
+  bool along;                          /* the component along the way alone: the rest is free */
+  double part;                         /* 0 to 1, of what is left of it that a sweep meets */
 } hk_untangling_pull;
 
 typedef struct hk_displacements {
