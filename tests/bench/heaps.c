@@ -10,7 +10,11 @@
  *     30 sheets         4,323             28,443       51.8       1,820   70.6
  *     100 sheets        3,603             21,850        221      10,130   51.7
  *     100 strands       3,003              3,767       29.4       7,810   28.7
+ *     ball of 100      11,106                521        3.8       7,360   27.0
+ *     60 on a head      2,906                 13        1.8           -    7.7
  *     strip in a box    3,144                276        1.2       4,460   26.1
+ *
+ * The sheet of 200 x 200, and 1,000 strands in either form, have not been followed to their end.
  *
  * Memory is in proportion to what touches. Time is not, and not by the caches: a place takes as long as it is solved
  * often. 6, 12 and 30 sheets took some 37, 48 and 96 sweeps for the positions of a step, of 100 that it may, and as
