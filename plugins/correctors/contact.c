@@ -66,7 +66,8 @@ typedef struct contact {
   int64_t divisions; /* of the step that ends at `divided`, s */
   double divided;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
-  hk_array known;                 /* hk_warm_pair: the impulses of the last step */
+  hk_awake awake;
+  hk_array known; /* hk_warm_pair: the impulses of the last step */
   contact_times seconds;
 } contact;
 
@@ -106,6 +107,8 @@ static hk_status open_particles(contact *s, const hk_view *view) {
   s->moved = host->allocate(host, (view->n + 1) * sizeof *s->moved);
   s->touched = host->allocate(host, (view->n + 1) * sizeof *s->touched);
   if (!s->moved || !s->touched) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  hk_status status = hk_awake_open(&s->awake, host, view->n);
+  if (status != HK_OK) return status;
   hk_body_impacts_topology(&s->bodies);
   /* Bodies that lie on each other fall together in the step before its impulses: their contacts do not close in it. */
   s->base.cache.reach = view->model->riders > 0 ? slack * hk_contact_scale(&s->base.params) : 0;
@@ -168,7 +171,7 @@ static bool paths_stand_still(const hk_model *model, const hk_contact_solver *al
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move, bool faces) {
   double begin = hk_own_time();
   hk_contact_solver solver = {.friction = s->base.params.friction, .most = (size_t)s->base.sweeps};
-  solver.moved = s->moved, solver.touched = s->touched, solver.now = s->now;
+  solver.moved = s->moved, solver.touched = s->touched, solver.now = s->now, solver.awake = &s->awake;
   bool single = s->bodies.count == 0, first = !s->base.candidates.solved;
   solver.tolerance = (single ? left_by_sweeps : left_by_bodies) * hk_contact_scale(&s->base.params);
   if (!c->changed) hk_impulse_contact_keep_free(&s->base, view, c);
@@ -181,6 +184,8 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (single) hk_gauss_seidel_calm(&solver, move->h, left_at_rest * hk_contact_scale(&s->base.params));
   if (first && !bounces) hk_warm_start_give(&s->known, &solver, move, !single);
   if (!single) status = prepare_bodies(s, move, faces, &solver);
+  if (status != HK_OK) return status;
+  if (single) status = hk_awake_list(&s->awake, solver.impact, solver.count, move->inverse_mass);
   if (status != HK_OK) return status;
   if (single)
     done = hk_gauss_seidel(&solver, move);

@@ -2,14 +2,14 @@
  * over the impacts in their order, each solved for its own impulses with the others held (Moreau 1988; Jean 1999). The
  * sums of an impact's impulses are kept, not their changes: an impulse along the normal never pulls, and
  * is reduced where a neighbour's has replaced it. An impact is solved again only after one of its particles has moved,
- * so that sweeps become short.
+ * so that sweeps become short (awake.h).
  *
  * What sweeps leave becomes motion: speeds of about tolerance/h. Where nothing else moves, hk_gauss_seidel_calm lowers
  * the tolerance with the motion, step by step, so that what rests comes to rest. */
 #ifndef HK_GAUSS_SEIDEL_H
 #define HK_GAUSS_SEIDEL_H
 
-#include "plugins/common/contact/impulses/impact.h"
+#include "plugins/common/contact/impulses/awake.h"
 
 typedef struct hk_contact_solver {
   size_t count;
@@ -22,6 +22,7 @@ typedef struct hk_contact_solver {
   uint64_t *moved;   /* n: the last solution that moved a particle; kept by the caller, 0 at first */
   uint64_t *touched; /* n: the same, tolerance 0 */
   uint64_t now;      /* the number of solutions so far; kept by the caller */
+  hk_awake *awake;   /* for hk_gauss_seidel: filled with the impacts by hk_awake_list */
 } hk_contact_solver;
 
 typedef struct hk_gauss_seidel_result {

@@ -21,7 +21,18 @@ static hk_status resize(const hk_host *host, hk_array *field, size_t count) {
   return field->item ? HK_OK : HK_NO_MEMORY;
 }
 
-static const hk_host host = {.resize = resize};
+static void *allocate(const hk_host *host, size_t size) {
+  (void)host;
+  return calloc(1, size + 1);
+}
+
+static void release(const hk_host *host, void *memory) {
+  (void)host;
+  free(memory);
+}
+
+static const hk_host host = {.resize = resize, .allocate = allocate, .release = release};
+static hk_awake awake;
 
 typedef struct column {
   double x_from[3 * N], v_from[3 * N], x[3 * N], v[3 * N], inverse_mass[N];
@@ -44,7 +55,7 @@ static hk_gauss_seidel_result solve(column *c, double h, bool other, hk_array *k
   }
   hk_step_move move = {h, c->x_from, c->v_from, c->x, c->v, c->inverse_mass};
   hk_contact_solver s = {.count = PAIRS, .impact = c->impact, .friction = 0.5, .tolerance = tolerance, .most = 10000};
-  s.moved = c->moved, s.touched = c->touched;
+  s.moved = c->moved, s.touched = c->touched, s.awake = &awake;
   for (uint32_t e = 0; e < PAIRS; e++) {
     uint32_t low = other ? PAIRS - 1 - e : e, up = low + 1, a = other ? low : up, b = other ? up : low;
     hk_impact *k = &c->impact[e];
@@ -54,6 +65,8 @@ static hk_gauss_seidel_result solve(column *c, double h, bool other, hk_array *k
     k->mobility = c->inverse_mass[a] + c->inverse_mass[b]; /* both ends of an edge are one particle */
   }
   if (known) hk_warm_start_give(known, &s, &move, false);
+  assert_int_equal(hk_awake_open(&awake, &host, N), HK_OK);
+  assert_int_equal(hk_awake_list(&awake, c->impact, PAIRS, c->inverse_mass), HK_OK);
   return hk_gauss_seidel(&s, &move);
 }
 
