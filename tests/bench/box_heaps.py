@@ -5,6 +5,9 @@ A heap that has come down costs far more than one that begins to, so that time i
 run each, 1/500 s a step, on a busy machine, 0 intersections in each that ended:
 
   boxes   until, s   processor s   ms a step   energy rose, J    MB
+     27        0.2         1.2          12         0              8
+    125        0.2         3.6          36         0             15
+    343        0.2         7.0          70         0             22
      27        1           7.6          15         1.6e-5
      64        0.24        7.8          65         0
     125        0.5       159           636         0             24
