@@ -142,6 +142,18 @@ static void the_disc_goes_round_faster(void **state) {
   if (!(test_json(r.out, "lean") < 0.7 * lean)) fail_msg("leans by %g and %g rad", test_json(r.out, "lean"), lean);
 }
 
+/* One half of a pin's distance a swing, at the amplitude it began with; the period is the pendulum's own to what an
+ * escapement whose impulse lies about the middle leaves of it (Airy 1830). */
+static void the_escapement_ticks_with_its_pendulum(void **state) {
+  (void)state;
+  test_scene(&r, "escapement", "duration=4");
+  near("intersections", 0, 0);
+  near("swings", 8, 0);
+  near("slips", 0, 0);
+  near("amplitude", 0.106, 2e-3);
+  near("period", test_json(r.out, "free period"), 5e-4);
+}
+
 /* It falls, no knee and no elbow bends the wrong way, and nothing passes. */
 static void the_figure_falls_down_the_stairs(void **state) {
   (void)state;
@@ -181,6 +193,7 @@ int main(void) {
       cmocka_unit_test(the_cradle_hands_on),
       cmocka_unit_test(the_wrecking_ball_breaks_the_wall),
       cmocka_unit_test(the_disc_goes_round_faster),
+      cmocka_unit_test(the_escapement_ticks_with_its_pendulum),
       cmocka_unit_test(the_figure_falls_down_the_stairs),
       cmocka_unit_test(the_pegs_hold_the_washing),
   };

@@ -336,6 +336,7 @@ static void add_particles(lua_State *L, hk_scene *scene, hk_lua_rigid *r) {
   hk_lua_field_vector(L, 2, "rigid", "spin", spin);
   hk_rigid_read_orientation(L, 2, R);
   hk_rigid_body_place(&r->body, position, R, velocity, spin, x, v);
+  hk_rigid_check_digits(L, &r->body, position, x);
   r->first = hk_lua_add(L, scene, "rigid", r->body.count, x, v, NULL, r->body.mass / (double)r->body.count,
                         hk_lua_group(L, scene, 2, "rigid"));
   for (uint32_t i = 0; i < r->body.count; i++)

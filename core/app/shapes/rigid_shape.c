@@ -3,10 +3,12 @@
 #include "core/app/shapes/shapes.h"
 #include "core/engine/text/text.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
 static const double default_detail = 5e-3; /* of pictures: depth of a facet in radii */
+static const double least_digits = 1e-6;   /* of a body's extent, what places may be rounded by */
 
 static double length_of(lua_State *L, int table, const char *key) {
   double value = hk_lua_field_number(L, table, "rigid", key, NAN);
@@ -16,6 +18,36 @@ static double length_of(lua_State *L, int table, const char *key) {
 
 static void check_skin(lua_State *L, const char *wrong) {
   if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "rigid: %s", wrong);
+}
+
+/* ---- what says the body ---- */
+
+/* Refuses measures that what says the body does not take, as a radius of a box: they would have no effect. `takes`:
+ * words between blanks. */
+static void refuse_others(lua_State *L, int table, const char *what, const char *takes) {
+  static const char *const measures[] = {"radius", "length", "size", "scale", "masses"};
+  for (size_t k = 0; k < sizeof measures / sizeof *measures; k++) {
+    char word[16];
+    snprintf(word, sizeof word, " %s ", measures[k]);
+    bool given = hk_lua_field(L, table, measures[k]) != LUA_TNIL;
+    lua_pop(L, 1);
+    if (given && !strstr(takes, word))
+      hk_lua_fail(L, HK_BAD_PARAM, "rigid: %s: a %s has none, so it would have no effect: leave it out", measures[k],
+                  what);
+  }
+}
+
+static void refuse_two(lua_State *L, int table) {
+  static const char *const kinds[] = {"shape", "mesh", "points", "parts"};
+  const char *first = NULL;
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    bool given = hk_lua_field(L, table, kinds[k]) != LUA_TNIL;
+    lua_pop(L, 1);
+    if (given && first)
+      hk_lua_fail(L, HK_BAD_PARAM, "rigid: %s and %s both say what the body is: leave one of them out", first,
+                  kinds[k]);
+    if (given) first = kinds[k];
+  }
 }
 
 /* ---- shapes, of density 1 ---- */
@@ -53,7 +85,11 @@ static hk_moments box(lua_State *L, int table, hk_mesh *skin) {
 static const struct shape {
   const char *name;
   hk_moments (*of)(lua_State *, int table, hk_mesh *);
-} shapes[] = {{"sphere", sphere}, {"box", box}, {"capsule", capsule}, {"cylinder", cylinder}};
+  const char *takes;
+} shapes[] = {{"sphere", sphere, " radius "},
+              {"box", box, " size "},
+              {"capsule", capsule, " radius length "},
+              {"cylinder", cylinder, " radius length "}};
 
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
@@ -66,7 +102,10 @@ static hk_moments read_shape(lua_State *L, int table, hk_mesh *skin) {
   if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "rigid: shape: expected a name");
   const char *name = lua_tostring(L, -1);
   for (size_t k = 0; k < SHAPES; k++)
-    if (strcmp(name, shapes[k].name) == 0) return shapes[k].of(L, table, skin);
+    if (strcmp(name, shapes[k].name) == 0) {
+      refuse_others(L, table, name, shapes[k].takes);
+      return shapes[k].of(L, table, skin);
+    }
   const char *near = hk_nearest_name(name, shape_at, NULL);
   hk_lua_fail(L, HK_BAD_PARAM, "rigid: shape: there is no '%s'; %s%s%s", name, near ? "did you mean '" : "",
               near ? near : "there are sphere, box, capsule and cylinder", near ? "'?" : "");
@@ -77,6 +116,7 @@ static hk_moments read_mesh(lua_State *L, int table, hk_mesh *skin) {
   char text[HK_RIGID_TEXT];
   if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "rigid: mesh: expected an OBJ file");
   const char *name = lua_tostring(L, -1);
+  refuse_others(L, table, "mesh", " scale ");
   hk_mesh_load(L, skin, "rigid", name);
   double scale = hk_lua_field_number(L, table, "rigid", "scale", 1);
   if (!(scale > 0)) hk_lua_fail(L, HK_BAD_PARAM, "rigid: scale: %g is not above 0", scale);
@@ -92,6 +132,7 @@ static hk_moments read_points(lua_State *L, int table) {
   int list = lua_gettop(L);
   size_t count = lua_istable(L, list) ? lua_rawlen(L, list) : 0, masses = 0;
   if (count == 0) hk_lua_fail(L, HK_BAD_PARAM, "rigid: points: expected a list of {x, y, z}");
+  refuse_others(L, table, "body of points", " masses ");
   double *x = lua_newuserdatauv(L, 3 * count * sizeof *x, 0);
   for (size_t k = 0; k < count; k++) {
     char what[48];
@@ -159,6 +200,7 @@ static void read_inertia(lua_State *L, hk_moments *m) {
 
 /* One shape, mesh or set of points, of density 1 but for points; false: the table has none. */
 static bool read_one(lua_State *L, int table, hk_mesh *skin, hk_moments *m) {
+  refuse_two(L, table);
   if (hk_lua_field(L, table, "shape") != LUA_TNIL)
     *m = read_shape(L, table, skin);
   else if (hk_lua_field(L, table, "mesh") != LUA_TNIL)
@@ -223,12 +265,16 @@ static bool read_parts(lua_State *L, hk_mesh *skin, hk_moments *sum) {
 hk_moments hk_rigid_read(lua_State *L, hk_mesh *skin) {
   hk_moments m = {0};
   bool open = true, parts = hk_lua_field(L, 2, "parts") != LUA_TNIL;
-  if (parts)
+  if (parts) {
+    refuse_two(L, 2);
+    refuse_others(L, 2, "body of parts", "");
     open = read_parts(L, skin, &m);
-  else if (read_one(L, 2, skin, &m))
+  } else if (read_one(L, 2, skin, &m))
     open = hk_lua_field(L, 2, "points") == LUA_TNIL;
   else if (hk_lua_field(L, 2, "inertia") == LUA_TNIL)
     hk_lua_fail(L, HK_BAD_PARAM, "rigid: expected a shape, a mesh, points, parts, or mass and inertia");
+  else
+    refuse_others(L, 2, "body by its inertia alone", "");
   if (m.mass == 0) m.mass = 1;
   if (open && weigh(L, 2, &m)) hk_lua_fail(L, HK_BAD_PARAM, "rigid: mass, kg, or density, kg/m^3, is required");
   if (!open && parts && !weigh(L, 2, &m))
@@ -282,4 +328,18 @@ void hk_rigid_read_orientation(lua_State *L, int table, double R[9]) {
     hk_rotation(turn, R);
   }
   lua_pop(L, 1);
+}
+
+/* ---- place ---- */
+
+/* A place is known to its last digit, and so are the distances of particles: far from the origin a small body has none.
+ */
+void hk_rigid_check_digits(lua_State *L, const hk_rigid_body *b, const double position[3], const double *x) {
+  double farthest_off = 0;
+  for (size_t k = 0; k < 3 * b->count; k++) farthest_off = fmax(farthest_off, fabs(x[k]));
+  if (!(farthest_off * DBL_EPSILON <= least_digits * b->a[0]))
+    hk_lua_fail(L, HK_BAD_PARAM,
+                "rigid: position: {%g, %g, %g} m: numbers there are %.2g m apart, too coarse for a body that reaches "
+                "%.3g m: place the scene nearer to the origin",
+                position[0], position[1], position[2], farthest_off * DBL_EPSILON, b->a[0]);
 }

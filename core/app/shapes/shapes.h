@@ -30,5 +30,7 @@ hk_moments hk_rigid_read(lua_State *L, hk_mesh *skin);
 /* The rotation at the key "orientation" of the table, by rows: a rotation vector (three numbers, rad), a unit
  * quaternion (four numbers, w first) or a matrix (three rows); 1 where it is absent. */
 void hk_rigid_read_orientation(lua_State *L, int table, double R[9]);
+/* Refuses particles x of the body so far from the origin that rounding takes more than 1e-6 of its extent. */
+void hk_rigid_check_digits(lua_State *L, const hk_rigid_body *, const double position[3], const double *x);
 
 #endif

@@ -6,15 +6,27 @@
 
 static const double alike = 1e-9; /* relative */
 
+/* Whether two points are apart and two others beside their line, by more than rounding: those of a slider's frame are
+ * on one line. */
+static bool has_angle(const double *x, const uint32_t point[4]) {
+  double d[3][3], normal[2][3], size = 0;
+  for (int m = 0; m < 3; m++) {
+    hk_subtract(d[m], x + 3 * (size_t)point[m + 1], x + 3 * (size_t)point[0]);
+    size = fmax(size, hk_length(d[m]));
+  }
+  for (int m = 0; m < 2; m++) hk_cross(normal[m], d[0], d[m + 1]);
+  double least = alike * size * hk_length(d[0]);
+  return hk_length(d[0]) > alike * size && hk_length(normal[0]) > least && hk_length(normal[1]) > least;
+}
+
 static hk_status check_turn(const hk_coordinate *q, const hk_view *view, size_t k) {
   const uint32_t *point = hk_tuple(&q->points, k);
   const uint32_t *id = view->model->id;
-  double angle;
-  if (hk_hinge_angle(view->x, point, &angle, NULL)) return HK_OK;
+  if (has_angle(view->x, point)) return HK_OK;
   return view->host->fail(view->host, HK_BAD_PARAM,
                           "points: of tuple %zu, particles %u, %u, %u and %u, the first two are in one place, or "
                           "another one is on their line: angles need two points on the axis and two beside it, as "
-                          "joint:frame() has them",
+                          "joint:frame() of a hinge has them; that of a slider has a way: of = \"way\" takes it",
                           k + 1, (unsigned)id[point[0]], (unsigned)id[point[1]], (unsigned)id[point[2]],
                           (unsigned)id[point[3]]);
 }

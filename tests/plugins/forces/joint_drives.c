@@ -139,6 +139,8 @@ static void what_drives_nothing_gets_a_sentence(void **state) {
   refused("k = 1", "points");
   refused("points = { j:frame() }, of = 'way', k = 1",
           "tuple 1 is the frame of a hinge, which has an angle and no way");
+  refused("points = { scene:joint({ kind = 'slider', a = a, at = {0.1, 0.2, 0.3}, axis = {1, 2, 3} }):frame() }, k = 1",
+          "that of a slider has a way: of = \"way\" takes it");
   refused("points = { j:frame() }, rest = 1", "nothing pulls to 1, since k is 0");
   refused("points = { j:frame() }, most = 1", "there is nothing to bound");
   refused("points = { j:frame() }, speed = 3", "nothing drives to 3, since damping is 0");

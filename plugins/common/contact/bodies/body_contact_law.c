@@ -26,13 +26,8 @@ void hk_vectors_across(const double n[3], double a[3], double b[3]) {
   hk_cross(b, n, a);
 }
 
-/* G across n: g[0] = a.G a, g[1] = a.G b, g[2] = b.G b. */
-typedef struct tangent {
-  double a[3], b[3], g[3], most; /* `most`: no eigenvalue is larger */
-} tangent;
-
-static tangent tangent_of(const double G[9], const double n[3]) {
-  tangent t;
+hk_contact_tangent hk_contact_tangent_of(const double G[9], const double n[3]) {
+  hk_contact_tangent t;
   double column[3];
   hk_vectors_across(n, t.a, t.b);
   multiply(column, G, t.a);
@@ -46,7 +41,8 @@ static tangent tangent_of(const double G[9], const double n[3]) {
 }
 
 /* The impulse across n after this round: `slide` before it, r the distance or speed now. */
-static void next_slide(const tangent *t, const double slide[3], const double r[3], double limit, double next[3]) {
+static void next_slide(const hk_contact_tangent *t, const double slide[3], const double r[3], double limit,
+                       double next[3]) {
   double s[2] = {hk_dot(slide, t->a), hk_dot(slide, t->b)}, q[2] = {hk_dot(r, t->a), hk_dot(r, t->b)};
   double det = t->g[0] * t->g[2] - t->g[1] * t->g[1], to[2];
   bool solvable = det > 1e-12 * t->most * t->most;
@@ -62,11 +58,11 @@ static void next_slide(const tangent *t, const double slide[3], const double r[3
   for (int c = 0; c < 3; c++) next[c] = to[0] * t->a[c] + to[1] * t->b[c];
 }
 
-void hk_body_contact_solve(const hk_impact *k, hk_impact_level *level, const double G[9], double mu, const double r[3],
-                           double change[3]) {
+void hk_body_contact_solve(const hk_impact *k, hk_impact_level *level, const double G[9], const hk_contact_tangent *t,
+                           double mu, const double r[3], double change[3]) {
   const double *n = k->frame.n;
   double now[3], moved[3], step[3], slide[3];
-  tangent t = mu > 0 ? tangent_of(G, n) : (tangent){.most = 0};
+  bool rubs = mu > 0 && t->most > 0;
   hk_copy(now, r);
   for (int round = 0; round < ROUNDS; round++) {
     double push = fmax(0, level->push + (level->target - hk_dot(now, n)) / k->mobility),
@@ -76,8 +72,8 @@ void hk_body_contact_solve(const hk_impact *k, hk_impact_level *level, const dou
     multiply(moved, G, step);
     hk_add_scaled(now, 1, moved);
     hk_add_scaled(change, 1, step);
-    if (!(t.most > 0)) return;
-    next_slide(&t, level->slide, now, mu * push, slide);
+    if (!rubs) return;
+    next_slide(t, level->slide, now, mu * push, slide);
     hk_subtract(step, slide, level->slide);
     hk_copy(level->slide, slide);
     multiply(moved, G, step);

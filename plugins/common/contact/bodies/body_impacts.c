@@ -1,7 +1,6 @@
 /* See body_impacts.h. */
 #include "plugins/common/contact/bodies/body_impacts.h"
 
-#include "plugins/common/contact/bodies/body_contact_law.h"
 #include "plugins/common/contact/bodies/body_energy.h"
 #include "plugins/common/contact/bodies/body_newton.h"
 #include "plugins/common/contact/bodies/impact_response.h"
@@ -14,9 +13,6 @@ enum {
   BURST = 10 /* sweeps between Newton's iterations */,
   NEWTONS = 3 /* that may fail */
 };
-
-/* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
-static const double held = 1e-12;
 
 /* Of the tolerance: what is left of places where moments hold what friction would roll, as every step adds to it. */
 static const double finer = 1e-3;
@@ -109,15 +105,6 @@ static double turn(const sweeping *w, size_t e, const hk_body_response *r, doubl
   return most;
 }
 
-/* Whether something moves by the impact: pins and constraints may hold it. */
-static bool gives_way(const sweeping *w, const hk_impact *k) {
-  double free_mobility = 0;
-  for (int i = 0; i < 4; i++)
-    if (k->frame.w[i] != 0)
-      free_mobility += k->frame.w[i] * k->frame.w[i] * hk_free_mobility(w->bodies->model, k->pair.vertex[i]);
-  return k->mobility > held * free_mobility;
-}
-
 static hk_status relax(sweeping *w, size_t e) {
   hk_impact *k = &w->solver->impact[e];
   hk_impact_level *level = level_of(w, k);
@@ -127,9 +114,9 @@ static hk_status relax(sweeping *w, size_t e) {
   if (level->push == 0 && !(level->target > hk_dot(r, k->frame.n))) return HK_OK;
   hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
   if (status != HK_OK) return status;
-  if (!gives_way(w, k)) return HK_OK;
+  if (!response->gives_way) return HK_OK;
   double mu = hk_body_friction(w->bodies, w->solver, e);
-  hk_body_contact_solve(k, level, response->G, mu, r, change);
+  hk_body_contact_solve(k, level, response->G, &response->tangent, mu, r, change);
   double size = hk_length(change), turned = 0;
   if (size > 0) apply(w, response, change);
   if (hk_body_moments_of(w->bodies, e)) turned = turn(w, e, response, level->push);
@@ -152,7 +139,7 @@ static hk_status apply_given(const sweeping *w) {
     if (!(level->push > 0)) continue;
     hk_status status = hk_body_response_find(w->bodies, w->solver, w->move, e, &response);
     if (status != HK_OK) return status;
-    if (!w->bodies->takes_part[e] || !gives_way(w, k))
+    if (!w->bodies->takes_part[e] || !response->gives_way)
       level->push = level->slide[0] = level->slide[1] = level->slide[2] = 0;
     for (int c = 0; c < 3; c++) given[c] = level->push * k->frame.n[c] + level->slide[c];
     apply(w, response, given);

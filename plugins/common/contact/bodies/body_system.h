@@ -4,6 +4,7 @@
 
 #include "core/plugin.h"
 #include "plugins/common/contact/bodies/body_arms.h"
+#include "plugins/common/contact/bodies/body_contact_law.h"
 #include "plugins/common/contact/bodies/body_moments.h"
 #include "plugins/common/cones/solid_program.h"
 #include "plugins/common/contact/impulses/gauss_seidel.h"
@@ -13,6 +14,8 @@ typedef struct hk_body_response {
   bool known;
   size_t first, count; /* in hk_body_impacts.particle and .block */
   double G[9];         /* 1/kg, row by row: of the nearest points' difference */
+  bool gives_way;      /* something moves by the impact: pins and constraints may hold it */
+  hk_contact_tangent tangent;
 } hk_body_response;
 
 typedef struct hk_body_impacts {

@@ -9,6 +9,9 @@
 
 enum { FEW_MEMBERS = 64 /* of a body whose columns are kept */ };
 
+/* 1/kg, relative to sum w^2/m: less is a point that bars and pins hold. */
+static const double held = 1e-12;
+
 void hk_body_relative(const hk_body_impacts *s, const hk_contact_solver *solver, size_t e, const hk_impact_level *level,
                       const double *y, double out[3]) {
   const hk_impact *k = &solver->impact[e];
@@ -272,6 +275,14 @@ static void find_matrix(const hk_body_impacts *s, const hk_impact *k, const hk_b
   if (arms) hk_body_arms_across(sum, k->frame.n, r->G);
 }
 
+static bool gives_way(const hk_body_impacts *s, const hk_impact *k) {
+  double free_mobility = 0;
+  for (int i = 0; i < 4; i++)
+    if (k->frame.w[i] != 0)
+      free_mobility += k->frame.w[i] * k->frame.w[i] * hk_free_mobility(s->model, k->pair.vertex[i]);
+  return k->mobility > held * free_mobility;
+}
+
 hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *solver, const hk_step_move *move, size_t e,
                                 const hk_body_response **out) {
   hk_impact *k = &solver->impact[e];
@@ -285,6 +296,8 @@ hk_status hk_body_response_find(hk_body_impacts *s, const hk_contact_solver *sol
   k->mobility = 0;
   for (int row = 0; row < 3; row++)
     for (int c = 0; c < 3; c++) k->mobility += k->frame.n[row] * r->G[3 * row + c] * k->frame.n[c];
+  r->gives_way = gives_way(s, k);
+  r->tangent = hk_contact_tangent_of(r->G, k->frame.n);
   r->known = status == HK_OK;
   return status;
 }

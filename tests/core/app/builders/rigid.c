@@ -143,6 +143,19 @@ static void what_no_body_is_gets_a_sentence(void **state) {
   refused("shape = 'sphere', radius = 0/0, mass = 1", "radius");
   refused("shape = 'sphere', radius = 1, mass = 1, density = 1", "give mass or density, not both");
   refused("shape = 'ball', radius = 1, mass = 1", "rigid: shape: there is no 'ball'");
+  refused("shape = 'box', size = 1, radius = 3, mass = 1", "rigid: radius: a box has none");
+  refused("shape = 'sphere', radius = 1, length = 3, mass = 1", "rigid: length: a sphere has none");
+  refused("shape = 'capsule', radius = 1, length = 3, scale = 2, mass = 1", "rigid: scale: a capsule has none");
+  refused("mesh = 'open.obj', size = 3, density = 1", "rigid: size: a mesh has none");
+  refused("points = {{0,0,0},{1,0,0}}, masses = {1, 1}, radius = 1", "rigid: radius: a body of points has none");
+  refused("mass = 1, inertia = {1, 1, 1}, size = 1", "rigid: size: a body by its inertia alone has none");
+  refused("mass = 1, size = 1, parts = { { shape = 'box', size = 1 } }", "rigid: size: a body of parts has none");
+  refused("mass = 1, parts = { { shape = 'box', size = 1, radius = 1 } }", "rigid: radius: a box has none");
+  refused("shape = 'box', size = 1, mesh = 'open.obj', mass = 1", "shape and mesh both say what the body is");
+  refused("mass = 1, shape = 'box', parts = { { shape = 'box', size = 1 } }", "shape and parts both say");
+  refused("shape = 'box', size = 0.2, mass = 1, position = {0, 1e300, 0}",
+          "rigid: position: {0, 1e+300, 0} m: numbers there are 2.2e+284 m apart");
+  refused("shape = 'box', size = 0.2, mass = 1, position = {1e10, 0, 0}", "too coarse for a body that reaches");
   refused("mass = 1", "expected a shape, a mesh, points, parts, or mass and inertia");
   refused("shape = 'box', size = 1, mass = 1, orientation = {1, 1, 0, 0}",
           "has the length 1.414214: divide it by that");
