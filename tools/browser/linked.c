@@ -10,13 +10,9 @@
 #include <dlfcn.h>
 #include <emscripten.h>
 #include <errno.h>
-#include <limits.h>
 #include <link.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 extern char __heap_base[]; /* by the linker */
 
@@ -66,27 +62,4 @@ int clock_gettime(clockid_t clock, struct timespec *t) {
   t->tv_sec = (time_t)(ms / 1000);
   t->tv_nsec = (long)(1e6 * (ms - 1000 * (double)t->tv_sec));
   return 0;
-}
-
-/* The file system of a page has no links: a real path is the path without "." and "..". */
-char *realpath(const char *restrict path, char *restrict into) {
-  char name[PATH_MAX], whole[PATH_MAX] = "", *rest = name;
-  bool fits = *path == '/'
-                  ? snprintf(name, sizeof name, "%s", path) < (int)sizeof name
-                  : getcwd(whole, sizeof whole) && snprintf(name, sizeof name, "%s/%s", whole, path) < (int)sizeof name;
-  if (!fits) {
-    errno = ENAMETOOLONG;
-    return NULL;
-  }
-  *whole = 0;
-  for (char *part; (part = strtok_r(rest, "/", &rest));) {
-    if (strcmp(part, ".") == 0) continue;
-    char *end = strcmp(part, "..") == 0 ? strrchr(whole, '/') : whole + strlen(whole);
-    if (!end) continue; /* above the root is the root */
-    *end = 0;
-    if (strcmp(part, "..") != 0) strcat(strcpy(end, "/"), part);
-    if (access(whole, F_OK) != 0 && *whole) return NULL; /* errno says why */
-  }
-  if (!*whole) strcpy(whole, "/");
-  return into ? strcpy(into, whole) : strdup(whole);
 }
