@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-/* Measured: -1.5e-13. Errors of 1.1e-16 of the energy a step that are independent add up to 8e-14, ten times which is
+/* Measured: 4.9e-13. Errors of 1.1e-16 of the energy a step that are independent add up to 8e-14, ten times which is
  * the bound; positions that are rounded in every step end at -1.8e-12. */
 static void positions_keep_what_rounding_takes_of_them(void **state) {
   static test_result r;
