@@ -3,8 +3,16 @@
 
 #include <dirent.h>
 
-/* What it cannot guess: a box about the particles of its scenes; a force whose dissipation becomes heat. */
+/* What it cannot guess: a box about the particles of its scenes; a closed surface; a force whose dissipation becomes
+ * heat. */
 static const char *options_of(const char *file) {
+  if (strcmp(file, "pressure.so") == 0) {
+    test_write("balloon.lua",
+               "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.01 }\n"
+               "local ball = scene:body { shape = 'sphere', radius = 1, detail = 0.1, density = 1 }\n"
+               "scene:force('pressure', { triangles = ball:triangles(), p = 100, exponent = 1.4 })\nreturn scene\n");
+    return "--scene balloon.lua";
+  }
   if (strcmp(file, "grid_conduction.so") == 0) return "low=-10,-10,-10 high=10,10,10 cell=2.5 density=1";
   if (strcmp(file, "viscous_heating.so") != 0) return "";
   test_write("sheared.lua",
