@@ -61,7 +61,7 @@ local found = {
   { "a plugin's name that is no text", words = "plugins \"$(printf '\\033[2J')\"", code = 1, says = "no plugin '\\x1b[2J'",
     files = {} },
   { "a number that is none, of bench", words = "bench scene.lua --target x", code = 1,
-    says = "bench: --target: 'x' is not a number", files = {} },
+    says = "bench: --target: 'x' is not a positive number", files = {} },
   { "an option that auto has not", words = "auto scene.lua --nope", code = 1, says = "hooke: auto: unknown option '--nope'",
     files = {} },
 }
