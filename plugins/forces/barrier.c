@@ -268,7 +268,7 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
 }
 
 /* Of Coulomb's work, what friction may miss in a run that is ok. */
-static const double most_missed = 1e-3;
+static const double most_missed = 0.01;
 
 static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   const barrier *b = self;

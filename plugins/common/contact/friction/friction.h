@@ -9,7 +9,8 @@
  * displaced by less than L, where a law of velocities alone creeps for ever. f is that of Li and others 2020
  * (Incremental Potential Contact, section 5, equation 15), which smooths by velocities.
  *
- * L is the parameter, and in implicit steps no more than HK_FRICTION_PART of mu l T^2/m, the way that friction turns a
+ * L is the parameter, and in implicit steps, for a contact that has stuck for HK_FRICTION_QUIET of them or since the
+ * start, no more than HK_FRICTION_PART of mu l T^2/m, the way that friction turns a
  * contact back in the step (l of its start, 1/m = sum_i w_i^2/m_i): a stick is 2/HK_FRICTION_PART times as stiff as
  * inertia is, however short steps are, and what it yields by while it is loaded brings no speed that counts. c is 1 for
  * what is new or slid at the end of the last step, 1 + HK_FRICTION_HOLD for what stuck: that stops what so little speed
@@ -29,12 +30,14 @@
 
 #define HK_FRICTION_PART 5e-4
 #define HK_FRICTION_HOLD 1e-3
+#define HK_FRICTION_QUIET 8 /* steps */
 
 /* What a contact remembers of the last step. */
 typedef struct hk_slip {
   double s[3];   /* of the first feature against the second; |s| = 1: it slid */
   double change; /* m/s^2: mu l/m; 0: nothing is remembered */
   double slid;   /* m, since it began to slide */
+  double stuck;  /* steps since it slid by more than L, or began; at most HK_FRICTION_QUIET */
 } hk_slip;
 
 /* A contact that carried something at its end. */

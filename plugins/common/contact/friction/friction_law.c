@@ -17,11 +17,15 @@ typedef struct rub {
 /* s, T. */
 static double since_start(const hk_view *view) { return view->t - view->model->t; }
 
+/* Whether it stuck at the end of the last step. */
+static bool held(const hk_slip *slip) { return slip->change > 0 && hk_dot(slip->s, slip->s) < 1 - 1e-9; }
+
 /* Steps that resolve the swing on an elastic slip of the parameter, by a radian or less, keep that. */
 double hk_friction_length(const hk_friction *f, const hk_slip *slip, double T) {
   double turned = slip->change * T * T;
   bool resolved = 2 * turned < f->elastic_slip;
-  return f->implicit && !resolved ? fmin(f->elastic_slip, HK_FRICTION_PART * turned) : f->elastic_slip;
+  return f->implicit && !resolved && slip->stuck >= HK_FRICTION_QUIET ? fmin(f->elastic_slip, HK_FRICTION_PART * turned)
+                                                                      : f->elastic_slip;
 }
 
 static void find_slip(rub *r, const double *v) {
@@ -30,9 +34,6 @@ static void find_slip(rub *r, const double *v) {
   hk_add_scaled(r->u, -hk_dot(r->u, r->frame.n), r->frame.n);
   r->size = hk_length(r->u);
 }
-
-/* Whether it stuck at the end of the last step. */
-static bool held(const hk_slip *slip) { return slip->change > 0 && hk_dot(slip->s, slip->s) < 1 - 1e-9; }
 
 static rub rub_of(const hk_friction *f, const hk_barrier_contacts *c, size_t k, const double *v, double T) {
   const hk_barrier_value *value = hk_barrier_acting(c, k);

@@ -178,8 +178,11 @@ static hk_stick stick_of(hk_friction *f, const hk_barrier_contacts *c, const hk_
   if (size > 1) {
     note_work(f, most, &s.slip, way, end, L);
     *lost += most * (size - 1) * L;
-  } else
+    if (s.slip.slid > f->elastic_slip) s.slip.stuck = 0;
+  } else {
     s.slip.slid = 0;
+    s.slip.stuck = fmin(s.slip.stuck + 1, HK_FRICTION_QUIET);
+  }
   for (int e = 0; e < 3; e++) s.slip.s[e] = u[e] / fmax(1, size);
   return s;
 }
@@ -221,7 +224,10 @@ static void set_going(const hk_friction *f, hk_stick *s, const hk_view *view) {
   across(u, s->n);
   double size = fmax(speed, hk_length(u));
   for (int e = 0; e < 3 && size > 0; e++) s->slip.s[e] = u[e] / size;
-  if (size > speed) s->slip.slid = INFINITY;
+  if (size > speed)
+    s->slip.slid = INFINITY;
+  else
+    s->slip.stuck = HK_FRICTION_QUIET;
 }
 
 /* What carries something at the start of a run. */
