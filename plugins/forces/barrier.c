@@ -286,8 +286,8 @@ static const char *remedy(void *self, const hk_view *view) {
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE |
-             HK_STIFFENS | HK_POWER,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_CONSERVES_MOMENTUM | HK_OFFERS_SYMMETRIC |
+             HK_OFFERS_DEFINITE | HK_STIFFENS | HK_POWER,
     .add = add,
     .energy = energy,
     .facets = HK_FACETS(
