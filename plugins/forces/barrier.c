@@ -4,8 +4,8 @@
  * an implicit method stays within the part that continuous collision detection finds safe (barrier_limit.c), so that no
  * gap is ever closed: there are no intersections, at no time, where there were none at the start.
  *
- * Friction is Coulomb's, smoothed below the speed epsilon_v, with the normal forces of the same positions
- * (barrier_friction.h).
+ * Friction is Coulomb's, with the normal forces of the same positions; what sticks is displaced by the elastic slip at
+ * most, which contacts remember from step to step (contact/friction/friction.h).
  *
  * Invariant: `stiffness` changes between steps only, so that a line search sees one potential.
  *
@@ -16,9 +16,9 @@
  */
 #include "plugins/common/contact/barrier/barrier_bound.h"
 #include "plugins/common/contact/barrier/barrier_choice.h"
-#include "plugins/common/contact/barrier/barrier_friction.h"
 #include "plugins/common/contact/barrier/barrier_pair.h"
 #include "plugins/common/contact/barrier/barrier_sum.h"
+#include "plugins/common/contact/friction/friction.h"
 
 #include <float.h>
 #include <string.h>
@@ -28,7 +28,8 @@ typedef struct barrier {
   hk_surface_request request;
   hk_tuples leave;
   hk_barrier_contacts contacts;
-  hk_barrier_friction friction;
+  hk_friction friction;
+  double elastic_slip;                      /* m; NAN: chosen */
   int64_t began;                            /* whether a step was accepted */
   bool checked;                             /* what a checkpoint may have given was looked at */
   int64_t survey_due;                       /* whether the stiffness was not looked at since the last accepted step */
@@ -43,8 +44,9 @@ static const hk_param params[] = {
      .number = HK_AT(barrier, stiffness), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
     {"friction", "", "Coulomb's coefficient mu", .number = HK_AT(barrier, friction.coefficient),
      .limits = HK_AT_LEAST(0)},
-    {"epsilon_v", "m/s", "speed below which friction is less than Coulomb's: what sticks creeps with up to that",
-     .number = HK_AT(barrier, friction.speed), .initial = {1e-3}, .limits = HK_ABOVE(0)},
+    {"elastic_slip", "m",
+     "displacement below which friction is less than Coulomb's: what sticks has less of it; left out: d_hat/2000",
+     .number = HK_AT(barrier, elastic_slip), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
     {"thickness", "m",
      "of cloth: of surfaces of triangles whose particles can move; 0, as d_hat already holds them apart",
      .number = HK_AT(barrier, request.thickness), .limits = HK_AT_LEAST(0)},
@@ -69,6 +71,16 @@ static const hk_field fields[] = {
     {"impulse", .number = HK_AT(barrier, impulse)},
     {"lost", .number = HK_AT(barrier, lost)},
     {"stiffened", .number = HK_AT(barrier, stiffened)},
+    {"sticks", .array = HK_AT(barrier, friction.sticks), .width = sizeof(hk_stick)},
+    {"implicit", .integer = HK_AT(barrier, friction.implicit)},
+    {"friction_taken", .number = HK_AT(barrier, friction.taken)},
+    {"friction_missed", .number = HK_AT(barrier, friction.missed)},
+    {"friction_most", .number = HK_AT(barrier, friction.most)},
+    {"next_sticks", .array = HK_AT(barrier, friction.next), .width = sizeof(hk_stick), .flags = HK_SCRATCH},
+    {"slips", .array = HK_AT(barrier, friction.slips), .width = sizeof(hk_slip), .flags = HK_SCRATCH},
+    {"begun", .array = HK_AT(barrier, friction.begun), .width = sizeof(double), .flags = HK_SCRATCH},
+    {"first_stick", .array = HK_AT(barrier, friction.first), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
+    {"sticks_of", .array = HK_AT(barrier, friction.member), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
     {"near", .array = HK_AT(barrier, contacts.near), .width = sizeof(hk_barrier_pair), .flags = HK_SCRATCH},
     {"base", .array = HK_AT(barrier, contacts.base), .width = sizeof(double), .flags = HK_SCRATCH},
     {"kept_of", .array = HK_AT(barrier, contacts.kept_of), .width = sizeof(uint32_t), .flags = HK_SCRATCH},
@@ -100,14 +112,15 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   b->request.leave = &b->leave;
   b->request.plugin = "barrier";
   b->request.friction = b->friction.coefficient;
+  b->friction.elastic_slip = isnan(b->elastic_slip) ? c->law.distance / 2000 : b->elastic_slip;
   return c->surfaces->join(c->surfaces->self, &b->request, view);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   barrier *b = self;
-  (void)view;
   if (!b->began) b->chosen = b->contacts.law.stiffness = 0;
-  return hk_barrier_forget(&b->contacts);
+  hk_status status = hk_barrier_forget(&b->contacts);
+  return status == HK_OK ? hk_friction_renumber(&b->friction, view->host, view) : status;
 }
 
 /* ---- force ---- */
@@ -124,8 +137,10 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 static double energy(void *self, const hk_view *view) { return hk_barrier_energy(&((barrier *)self)->contacts, view); }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *into) {
+  barrier *b = self;
   (void)view;
-  hk_barrier_pattern(&((barrier *)self)->contacts, into);
+  b->friction.implicit = 1;
+  hk_barrier_pattern(&b->contacts, into);
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
@@ -204,13 +219,14 @@ static hk_status check_pairs(const barrier *b, const hk_view *view) {
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {
   barrier *b = self;
   hk_status status = b->checked ? HK_OK : check_pairs(b, from);
+  if (status == HK_OK && !b->checked) status = hk_friction_renumber(&b->friction, from->host, from);
   b->checked = true;
   if (status == HK_OK) status = hk_barrier_find(&b->contacts, from, x_to, changed);
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
   if (!(b->contacts.law.stiffness > 0)) choose(b, from);
   follow_speeds(b, from, x_to);
-  return HK_OK;
+  return hk_friction_recall(&b->friction, &b->contacts, from);
 }
 
 static double step_limit(void *self, const hk_view *from, const double *dx) {
@@ -219,7 +235,8 @@ static double step_limit(void *self, const hk_view *from, const double *dx) {
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   barrier *b = self;
-  hk_barrier_bound(&b->contacts, &b->friction, view, part, block);
+  hk_barrier_bound(&b->contacts, view, part, block);
+  if (part != HK_DAMPING_WHOLE) hk_friction_bound(&b->friction, &b->contacts, view, block);
 }
 
 static hk_status accepted(void *self, const hk_view *view, double h) {
@@ -228,9 +245,8 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   b->began = 1;
   b->closest = fmin(b->closest, s.closest);
   b->impulse += h * s.load;
-  b->lost -= h * hk_friction_power(&b->friction, &b->contacts, view);
   b->survey_due = 1;
-  return HK_OK;
+  return hk_friction_remember(&b->friction, &b->contacts, view, h, &b->lost);
 }
 
 static bool report(void *self, const hk_view *view, hk_contact_report *out) {
@@ -251,17 +267,34 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   for (size_t k = 0; k < c->found; k++) hk_pair_contact_point(&near[k].pair, view->x, c->law.distance, points);
 }
 
+/* Of Coulomb's work, what friction may miss in a run that is ok. */
+static const double most_missed = 0.01;
+
+static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
+  const barrier *b = self;
+  (void)view;
+  if (!(b->friction.coefficient > 0)) return 0;
+  figure[0] =
+      (hk_own_figure){"friction_missed", "of its work", hk_friction_missed(&b->friction, &b->contacts), most_missed};
+  return 1;
+}
+
+static const char *remedy(void *self, const hk_view *view) {
+  (void)self, (void)view;
+  return "try a smaller elastic_slip, or a smaller dt where slip turns within a step; neither was tried";
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE |
-             HK_STIFFENS | HK_POWER,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_CONSERVES_MOMENTUM | HK_OFFERS_SYMMETRIC |
+             HK_OFFERS_DEFINITE | HK_STIFFENS | HK_POWER,
     .add = add,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
-                        HK_STEPS_FACET(.update = update, .accepted = accepted),
-                        HK_SURFACES_FACET(.step_limit = step_limit, .contacts = report),
-                        HK_PICTURES_FACET(.contact_points = contact_points)),
+    .facets = HK_FACETS(
+        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_STEPS_FACET(.update = update, .accepted = accepted),
+        HK_SURFACES_FACET(.step_limit = step_limit, .contacts = report),
+        HK_FIGURES_FACET(.list = figures, .remedy = remedy), HK_PICTURES_FACET(.contact_points = contact_points)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -1,8 +1,8 @@
 -- slope.lua: a card slides down a slope of tan = 1/2, a = g (tan - mu) cos, in the frame of the slope. What the barrier's
--- reach and the smoothing of its friction cost in accuracy is seen with other values of them:
---   hooke bench slope.lua --integrators bdf2 --vary epsilon_v=0.1,0.01,0.001 --metric way --until 0.1
+-- reach and the elastic slip of its friction cost in accuracy is seen with other values of them:
+--   hooke bench slope.lua --integrators bdf2 --vary elastic_slip=1e-3,1e-4,5e-7 --metric way --until 0.1
 local d_hat = param("d_hat", 1e-3, "gap at which the barrier begins, m", { min = 1e-6 })
-local epsilon_v = param("epsilon_v", 1e-3, "speed below which friction is less than Coulomb's, m/s", { min = 1e-9 })
+local elastic_slip = param("elastic_slip", 5e-7, "displacement below which friction is less than Coulomb's, m", { min = 1e-12 })
 local friction = param("friction", 0.4, "Coulomb's mu: above 1/2 the card stays", { min = 0 })
 local g, cos, stiffness, density, T = 9.81, 1 / math.sqrt(1.25), 2000, 0.5, 0.5
 
@@ -16,7 +16,7 @@ scene:force("springs", { edges = card:shear(), k = 1e3, damping = 0.5, label = "
 scene:pin(scene:mesh { vertices = { { -1, -1, 0 }, { 1, -1, 0 }, { 0, 1, 0 } }, faces = { { 1, 2, 3 } }, mass = 1 })
 
 scene:force("gravity", { g = { 0.5 * g * cos, 0, -g * cos } })
-scene:force("barrier", { d_hat = d_hat, epsilon_v = epsilon_v, friction = friction, stiffness = stiffness })
+scene:force("barrier", { d_hat = d_hat, elastic_slip = elastic_slip, friction = friction, stiffness = stiffness })
 scene:measure("way", function(s) return s:position(card:at(3, 2))[1] - 0.045 end)
 scene:measure("way by Coulomb", function(s)
   return g * cos * math.max(0, 0.5 - friction) * s.t ^ 2 / 2

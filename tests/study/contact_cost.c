@@ -13,7 +13,7 @@ static const struct {
   const char *scene, *options;
 } scenes[] = {
     {"slide", "--integrators leapfrog,bdf2 --vary contact=corrector,force,both,zones,penalty,barrier"},
-    {"slope", "--integrators bdf2 --vary epsilon_v=0.1,0.01,0.001 --metric way --until 0.1"},
+    {"slope", "--integrators bdf2 --vary elastic_slip=1e-3,1e-4,5e-7 --metric way --until 0.1"},
     {"cloth_on_sphere", "N=9 --until 0.15"},
     {"stack", "N=4 sheets=2 --until 0.15"},
     {"folds", "N=4 --until 0.2"},

@@ -12,6 +12,9 @@ typedef struct hk_figures_facet {
   size_t size;
   /* Fills figures of the run so far, at most HK_OWN_FIGURES, and returns how many; it changes nothing. Required. */
   size_t (*list)(void *self, const hk_view *view, hk_own_figure *figure);
+  /* What would bring a figure below its limit, for the verdict's sentence: constant words that go on behind it, "try a
+   * smaller dt". NULL: not known; since minor 3. */
+  const char *(*remedy)(void *self, const hk_view *view);
 } hk_figures_facet;
 
 #endif

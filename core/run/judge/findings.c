@@ -58,8 +58,9 @@ static void add_own_figures(const words *w) {
     for (size_t k = 0; k < w->s->plugin[p].figures; k++) {
       const hk_own_figure *f = &w->s->plugin[p].figure[k];
       if (hk_above_limit(f))
-        add(w, "%s: %s is %.3g%s%s, and %g is the most that is ok", w->s->plugin[p].label, f->name, f->value,
-            *f->unit ? " " : "", f->unit, f->limit);
+        add(w, "%s: %s is %.3g%s%s, and %g is the most that is ok%s%s", w->s->plugin[p].label, f->name, f->value,
+            *f->unit ? " " : "", f->unit, f->limit, w->s->plugin[p].remedy ? ": " : "",
+            w->s->plugin[p].remedy ? w->s->plugin[p].remedy : "");
     }
 }
 

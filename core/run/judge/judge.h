@@ -8,7 +8,7 @@
 typedef struct hk_judgement hk_judgement;
 
 typedef struct hk_plugin_time {
-  const char *kind, *name, *label;
+  const char *kind, *name, *label, *remedy; /* remedy: of its own figures; NULL: not known */
   double seconds;
   bool apart;     /* a force without parts: see hk_evaluate_is_apart */
   size_t figures; /* of a corrector */

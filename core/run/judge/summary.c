@@ -69,6 +69,8 @@ static void own_figures(const hk_loop *loop, const hk_instance *i, hk_plugin_tim
   hk_view view = hk_instance_view(i, &loop->state->view);
   const hk_instance *outer = hk_enter(i);
   time->figures = list(i->self, &view, time->figure);
+  if (i->plugin->kind == HK_FORCE && hk_force_of(i->plugin)->figures.remedy)
+    time->remedy = hk_force_of(i->plugin)->figures.remedy(i->self, &view);
   hk_leave(i, outer);
 }
 

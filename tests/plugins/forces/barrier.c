@@ -258,7 +258,7 @@ static double gained(double friction) {
   uint32_t id = put(&t, (double[]){0, 0, radius + 0.97 * reach}, NULL, 0.1);
   add_floor(&t);
   fall(&t, 0.5 * g / sqrt(1.25), -g / sqrt(1.25));
-  test_number(&t, add_barrier(&t, friction), "epsilon_v", 1e-4);
+  add_barrier(&t, friction);
   test_run(&t);
   test_advance(&t, 0.5);
   double before = test_velocity(&t, id)[0];
@@ -268,13 +268,14 @@ static double gained(double friction) {
   return after - before;
 }
 
-/* Coulomb's acceleration is g (tan - mu) cos: positive at mu = 0.495; at 0.505 what moves comes to rest. */
+/* Coulomb's acceleration is g (tan - mu) cos: positive at mu = 0.495; at 0.505 what moves comes to rest, to the
+ * iteration's tolerance. */
 static void friction_on_a_slope_brackets_its_tangent(void **state) {
   (void)state;
   double below = gained(0.495), above = gained(0.505), wanted = 0.5 * g * 0.005 / sqrt(1.25);
-  print_message("mu = 0.495: %.5f m/s in 0.5 s, expected %.5f; mu = 0.505: %.5f\n", below, wanted, above);
+  print_message("mu = 0.495: %.5f m/s in 0.5 s, expected %.5f; mu = 0.505: %.2e\n", below, wanted, above);
   assert_true(fabs(below - wanted) < 0.01 * wanted);
-  assert_true(above <= 0);
+  assert_true(above <= 1e-6 * wanted);
 }
 
 /* m, the gap at which a particle rests on the floor: a bisection of its load. */
@@ -291,32 +292,59 @@ static double gap_at_rest(double stiffness, double weight) {
   return low;
 }
 
-/* The way of a particle thrown along the floor at 1 m/s, mu = 0.5. */
-static double way(double epsilon, double h) {
+/* m: the way in 0.5 s of a particle that is let go with the speed v on a slope of tan, where the barrier carries it. */
+static double way_down(const char *method, double h, double tan, double mu, double v) {
   test_engine t;
-  open_world(&t, "bdf2:tolerance=1e-6", h);
-  uint32_t id = put(&t, (double[]){0, 0, radius + gap_at_rest(1e4, 0.1 * g)}, (double[]){1, 0, 0}, 0.1);
+  double cos = 1 / sqrt(1 + tan * tan);
+  open_world(&t, method, h);
+  uint32_t id = put(&t, (double[]){0, 0, radius + gap_at_rest(1e4, 0.1 * g * cos)}, (double[]){v, 0, 0}, 0.1);
   add_floor(&t);
-  fall(&t, 0, -g);
-  hk_plugin_spec *barrier = add_barrier(&t, 0.5);
-  test_number(&t, barrier, "epsilon_v", epsilon);
-  test_number(&t, barrier, "stiffness", 1e4);
+  fall(&t, tan * g * cos, -g * cos);
+  test_number(&t, add_barrier(&t, mu), "stiffness", 1e4);
   test_run(&t);
-  test_advance(&t, 0.4);
+  test_advance(&t, 0.5);
   double x = test_position(&t, id)[0];
   test_engine_close(&t);
   return x;
 }
 
-/* v^2/(2 mu g); below epsilon_v the particle creeps, for some epsilon_v/(mu g) epsilon_v. */
+/* Of a method of order 2 whose stages are solved to 1e-6 of the speed: nothing of a uniform acceleration is lost. */
+static void what_slides_has_coulombs_acceleration(void **state) {
+  (void)state;
+  const double tan = 0.5, mu = 0.4, wanted = 0.5 + g * (tan - mu) / sqrt(1 + tan * tan) * 0.125;
+  for (int k = 0; k < 3; k++) {
+    double h = (double[]){1. / 30, 1. / 60, 1. / 240}[k];
+    double off = way_down("bdf2:tolerance=1e-6", h, tan, mu, 1) / wanted - 1;
+    print_message("h = %.2g s: the way is off by %.1e\n", h, off);
+    assert_true(fabs(off) < 1e-5);
+  }
+}
+
+/* v^2/(2 mu g) on a floor. The step in which it stops is not resolved: it may be off by its share of v h. */
 static void what_slides_stops_where_it_should(void **state) {
   (void)state;
-  double wanted = 1 / g, off[3];
-  for (int k = 0; k < 3; k++) {
-    off[k] = way(0.1 / pow(10, k), 1. / 480) / wanted - 1;
-    print_message("epsilon_v = %.0e m/s: the way is off by %.2e\n", 0.1 / pow(10, k), off[k]);
+  double wanted = 1 / g, off[2];
+  for (int k = 0; k < 2; k++) {
+    double h = k ? 1. / 480 : 1. / 120;
+    off[k] = way_down("bdf2:tolerance=1e-6", h, 0, 0.5, 1) / wanted - 1;
+    print_message("h = %.2g s: the way is off by %.2e\n", h, off[k]);
   }
-  assert_true(fabs(off[1]) < 0.01 && fabs(off[2]) < 0.01 && fabs(off[0]) > fabs(off[1]));
+  assert_true(fabs(off[0]) < 1e-3 && fabs(off[1]) < 1e-4);
+}
+
+/* Let go at once where friction just holds, at the tangent itself and 5 % above: with the elastic slip of d_hat/2000, a
+ * law of velocities would have to hold to 2e-6 m/s for that. */
+static void what_sticks_stays(void **state) {
+  (void)state;
+  double worst = 0;
+  for (int k = 0; k < 12; k++) {
+    const char *method = k % 2 ? "bdf2:tolerance=1e-6" : "backward_euler";
+    double h = (double[]){1. / 60, 1. / 240, 1. / 1000}[k / 2 % 3], mu = k < 6 ? 0.5 : 0.525;
+    double way = way_down(method, h, 0.5, mu, 0);
+    print_message("%s, h = %.2g s, mu = %.3g: %.1e m in 0.5 s\n", method, h, mu, way);
+    worst = fmax(worst, fabs(way));
+  }
+  assert_true(worst < 1e-6);
 }
 
 /* A ball that falls 2 cm onto a floor along which it goes at 3 m/s, mu = 0.4, in steps of a frame: while it slides, the
@@ -421,7 +449,9 @@ int main(void) {
       cmocka_unit_test(sheets_fall_without_an_intersection),
       cmocka_unit_test(threads_and_checkpoints_leave_no_trace),
       cmocka_unit_test(friction_on_a_slope_brackets_its_tangent),
+      cmocka_unit_test(what_slides_has_coulombs_acceleration),
       cmocka_unit_test(what_slides_stops_where_it_should),
+      cmocka_unit_test(what_sticks_stays),
       cmocka_unit_test(what_slides_loses_mu_times_its_impacts),
       cmocka_unit_test(what_rests_keeps_its_energy_for_a_minute),
       cmocka_unit_test(plates_that_close_end_the_run_with_words),

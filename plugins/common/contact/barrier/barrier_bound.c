@@ -26,21 +26,12 @@ static double curvature(const hk_barrier_law *law, double u) {
 
 static void add(double block[6], double k) { block[0] += k, block[3] += k, block[5] += k; }
 
-void hk_barrier_bound(hk_barrier_contacts *c, const hk_barrier_friction *f, const hk_view *view, hk_stiffness_part part,
-                      double (*block)[6]) {
+void hk_barrier_bound(hk_barrier_contacts *c, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const hk_surface_mesh *mesh = c->surfaces->mesh(c->surfaces->self);
   const hk_barrier_shape *shape = (const hk_barrier_shape *)(const void *)c->shape;
   double k = 2 * areas * curvature(&c->law, least_part(c));
   for (size_t q = 0; q < mesh->points && part != HK_DAMPING_WHOLE; q++) {
     uint32_t i = mesh->point[q];
     if (!view->is_active || view->is_active[i]) add(block[i], k * shape[i].area);
-  }
-  if (part != HK_DAMPING_WHOLE || !(f->coefficient > 0)) return;
-  hk_barrier_values_at(c, view);
-  for (size_t q = 0; q < c->acting_count; q++) {
-    const hk_barrier_value *v = hk_barrier_acting(c, q);
-    const uint32_t *vertex = ((const hk_barrier_pair *)c->near.item)[v->near].pair.vertex;
-    double most = 4 * f->coefficient * hk_barrier_load(v) / f->speed;
-    for (int a = 0; a < 4; a++) add(block[vertex[a]], most * fabs(v->nearest.w[a]));
   }
 }

@@ -2,11 +2,10 @@
 #ifndef HK_BARRIER_BOUND_H
 #define HK_BARRIER_BOUND_H
 
-#include "plugins/common/contact/barrier/barrier_friction.h"
+#include "plugins/common/contact/barrier/barrier_contacts.h"
 
 /* Adds to block[i] as hk_force.stiffness_bound asks. Of K: of every particle of the surfaces, with contacts all around
- * that are compressed to u = 1/10, or as far as the closest one now. Of D: of the contacts that rub now. */
-void hk_barrier_bound(hk_barrier_contacts *, const hk_barrier_friction *, const hk_view *view, hk_stiffness_part,
-                      double (*block)[6]);
+ * that are compressed to u = 1/10, or as far as the closest one now. */
+void hk_barrier_bound(hk_barrier_contacts *, const hk_view *view, hk_stiffness_part, double (*block)[6]);
 
 #endif

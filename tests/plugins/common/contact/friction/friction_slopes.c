@@ -1,6 +1,6 @@
 /* What friction depends on of a contact, against differences: over a face, an edge and a corner of a triangle, and of
  * edges that cross, are nearly parallel or end. */
-#include "plugins/common/contact/barrier/barrier_friction.h"
+#include "plugins/common/contact/friction/friction.h"
 #include "plugins/kit/vector3.h"
 
 #include <setjmp.h>
@@ -31,12 +31,14 @@ static const struct {
 enum { PLACES = sizeof places / sizeof *places, QUANTITIES = 8 };
 
 /* w, u and l at x. */
-static void at_place(const hk_barrier_pair *p, const double x[12], const double v[12], double out[QUANTITIES]) {
+static void at_place(const hk_barrier_pair *p, const double x[12], const double slip[3], const double way[12],
+                     double out[QUANTITIES]) {
   hk_barrier_value value;
   assert_true(hk_barrier_evaluate(p, &law, x, &value));
   hk_pair_frame f = hk_pair_frame_of(&value.nearest);
-  double u[3] = {0};
-  for (int i = 0; i < 4; i++) hk_add_scaled(u, f.w[i], v + 3 * i);
+  double u[3];
+  hk_copy(u, slip);
+  for (int i = 0; i < 4; i++) hk_add_scaled(u, f.w[i], way + 3 * i);
   hk_add_scaled(u, -hk_dot(u, f.n), f.n);
   memcpy(out, f.w, sizeof f.w);
   memcpy(out + 4, u, sizeof u);
@@ -52,13 +54,13 @@ static void they_are_those_of_differences(void **state) {
     hk_barrier_pair p = {.pair = {.vertex = {0, 1, 2, 3}, .kind = places[k % PLACES].kind, .offset = k % 2 ? 0.03 : 0}};
     hk_barrier_value value;
     hk_friction_slopes s;
-    double x[12], v[12], up[QUANTITIES], down[QUANTITIES];
-    for (int e = 0; e < 12; e++) x[e] = places[k % PLACES].at[e] + 0.004 * draw(&seed), v[e] = draw(&seed);
+    double x[12], way[12], slip[3], up[QUANTITIES], down[QUANTITIES];
+    for (int e = 0; e < 12; e++) x[e] = places[k % PLACES].at[e] + 0.004 * draw(&seed), way[e] = draw(&seed);
+    for (int r = 0; r < 3; r++) slip[r] = draw(&seed);
     p.area = 0.3;
     p.limit = p.pair.kind == HK_EDGE_EDGE ? 1e-3 * 16 : 0;
     assert_true(hk_barrier_evaluate(&p, &law, x, &value));
-    hk_view view = {.x = x, .v = v};
-    hk_friction_slopes_of(&p, &value, &view, &s);
+    hk_friction_slopes_of(&p, &value, x, slip, way, &s);
     double size[3] = {1, 1, 0};
     for (int j = 0; j < 12; j++) {
       for (int i = 0; i < 4; i++) size[0] = fmax(size[0], fabs(s.w[i][j]));
@@ -68,9 +70,9 @@ static void they_are_those_of_differences(void **state) {
     for (int j = 0; j < 12; j++) {
       double kept = x[j];
       x[j] = kept + step;
-      at_place(&p, x, v, up);
+      at_place(&p, x, slip, way, up);
       x[j] = kept - step;
-      at_place(&p, x, v, down);
+      at_place(&p, x, slip, way, down);
       x[j] = kept;
       for (int q = 0; q < QUANTITIES; q++) {
         double slope = (up[q] - down[q]) / (2 * step);
