@@ -9,21 +9,22 @@
  * displaced by less than L, where a law of velocities alone creeps for ever. f is that of Li and others 2020
  * (Incremental Potential Contact, section 5, equation 15), which smooths by velocities.
  *
- * L is the parameter, and in implicit steps, for a contact that has stuck for HK_FRICTION_QUIET of them or since the
- * start, no more than HK_FRICTION_PART of mu l T^2/m, the way by which friction turns a contact back in the step (l of
- * its start, 1/m = sum_i w_i^2/m_i): such a stick is 2/HK_FRICTION_PART times as stiff as inertia is, however short
- * steps are, and what it yields by while it is loaded brings no speed that counts. At once, for all contacts, that took
- * three sheets that land on a floor 3,250 evaluations for 1,362. c is 1 for what is new or slid at the end of the last
- * step, 1 + HK_FRICTION_HOLD for what stuck: that stops what so little speed is left of, where mu is the tangent of a
- * slope and Coulomb's law alone never would.
+ * L is the parameter. Implicit steps of T s that do not resolve the swing on it take others. A contact that is new, or
+ * moves, has HK_FRICTION_FAST T where that is more: it would otherwise change from sticking to sliding and back in
+ * every iteration (three sheets that land on a floor took 34,353 evaluations of forces in 105 steps, and 801 in 36
+ * now). One that has rested for HK_FRICTION_QUIET steps, or from the start, has no more than HK_FRICTION_PART of mu l
+ * T^2/m, the way by which friction turns a contact back in the step (l of its start, 1/m = sum_i w_i^2/m_i): such a
+ * stick is 2/HK_FRICTION_PART times as stiff as inertia is, however short steps are, and what it yields by while it is
+ * loaded brings no speed that counts. It rests as long as its way in a step is below that. c is 1 for what is new or
+ * slid at the end of the last step, 1 + HK_FRICTION_HOLD for what stuck: that stops what so little speed is left of,
+ * where mu is the tangent of a slope and Coulomb's law alone never would.
  *
  * Their paper takes n, w and l from the step before and repeats the step until they agree. Here they are part of the
  * equation that a step solves, so that what slides loses mu times the impulse along the normal, whatever the steps:
  * with l of the step before, a card on a slope of tan 1/2 at mu = 0.4 was 9.4 % off after 30 steps of 1/60 s. It costs
  * the symmetry of -dF/dx; without its unsymmetric terms Newton's method still converges, as l is known once the gap is.
  *
- * What slides is slowed along its velocity at the end of the step, which has the order of the method; the way of the
- * step has the direction of its middle. */
+ * What slides is slowed along its velocity at the end of the step, which has the order of the method. */
 #ifndef HK_FRICTION_H
 #define HK_FRICTION_H
 
@@ -31,14 +32,15 @@
 
 #define HK_FRICTION_PART 5e-4
 #define HK_FRICTION_HOLD 1e-3
-#define HK_FRICTION_QUIET 8 /* steps */
+#define HK_FRICTION_FAST 1e-3 /* m/s */
+#define HK_FRICTION_QUIET 8
 
 /* What a contact remembers of the last step. */
 typedef struct hk_slip {
   double s[3];   /* of the first feature against the second; |s| = 1: it slid */
   double change; /* m/s^2: mu l/m; 0: nothing is remembered */
   double slid;   /* m, since it began to slide */
-  double stuck;  /* steps since it slid by more than L, or began; at most HK_FRICTION_QUIET */
+  double stuck;  /* steps for which it has rested, at most HK_FRICTION_QUIET */
 } hk_slip;
 
 /* A contact that carried something at its end. */
@@ -56,7 +58,7 @@ typedef struct hk_friction {
   hk_array sticks; /* hk_stick, rising by hk_pair_compare */
   hk_array next;   /* the same of the step that ends; scratch */
   hk_array slips;  /* hk_slip, of every pair of hk_barrier_contacts.near; scratch */
-  hk_array begun;  /* double, n x 3: the positions at the start of the step; scratch */
+  hk_array begun;  /* double, 2 x n x 3: positions and velocities at the start of the step; scratch */
   hk_array first;  /* uint32_t, n + 1, and of every particle the sticks that it belongs to; scratch */
   hk_array member;
   bool ready;           /* what carries something at the start was noted */
@@ -67,8 +69,9 @@ typedef struct hk_friction {
 
 /* Of the contacts at the positions of the view. Returns the power, W. */
 double hk_friction_add(const hk_friction *, hk_barrier_contacts *, const hk_view *, double *F);
-/* m, L after T s: what a contact of that memory may be displaced by. */
+/* m, L after T s: what a contact of that memory may be displaced by; and what it may where it rests. */
 double hk_friction_length(const hk_friction *, const hk_slip *, double T);
+double hk_friction_rest_length(const hk_friction *, const hk_slip *, double T);
 /* Adds D, symmetric and definite, and, where no symmetric or definite blocks are wanted, K, which is unsymmetric. Where
  * definite ones are, D has mu l f/|u| along u as well, the slope of a quadratic that is nowhere below the potential of
  * the friction (Huber 1981, Robust Statistics, 7.8): no step goes beyond where it turns, and searches succeed. */
@@ -83,9 +86,9 @@ void hk_friction_bound(const hk_friction *, hk_barrier_contacts *, const hk_view
 hk_status hk_friction_recall(hk_friction *, hk_barrier_contacts *, const hk_view *from);
 /* At the end of a step of h s. Adds to *lost what friction took, J: mu l times what slid beyond the elastic slip. */
 hk_status hk_friction_remember(hk_friction *, hk_barrier_contacts *, const hk_view *, double h, double *lost);
-/* What the forces missed of Coulomb's work on what slid, relative to that work, or to that on a way of ten distances of
- * the barrier where this is more; 0 before anything slid. Missed is the work over an elastic slip wherever a contact
- * began to slide, and what the direction at the end of a step is off that of its way. */
+/* What the forces missed of Coulomb's work on what slid, the work over an elastic slip wherever a contact began to,
+ * relative to that work, or to that on a way of ten distances of the barrier where this is more; 0 before anything
+ * slid. */
 double hk_friction_missed(const hk_friction *, const hk_barrier_contacts *);
 /* When particles have other indices, or the contacts come from a checkpoint: those of particles that are gone go. */
 hk_status hk_friction_renumber(hk_friction *, const hk_host *, const hk_view *);

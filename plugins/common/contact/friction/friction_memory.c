@@ -11,6 +11,8 @@
 static const double least_way = 10; /* distances of the barrier: what slides less is judged by the work on that */
 static const double alike = 0.5;    /* cosine of two normals, of which one contact may follow the other */
 
+static void across(double *u, const double *n) { hk_add_scaled(u, -hk_dot(u, n), n); }
+
 static const hk_stick *sticks_of(const hk_friction *f) { return f->sticks.item; }
 
 /* ---- by particles ---- */
@@ -61,12 +63,13 @@ static void inherit(const hk_friction *f, const hk_barrier_pair *p, uint32_t ver
     if (sense == 0 || sense * hk_dot(s->n, p->axis) < alike) continue;
     hk_add_scaled(to->slip.s, sense * s->load, s->slip.s);
     to->slip.change += s->load * s->slip.change;
+    to->slip.slid = fmax(to->slip.slid, s->slip.slid);
     to->load += s->load;
   }
 }
 
 /* Asked are the particles of that feature which has fewer contacts: below a heap a floor has all of them. */
-static void take_over(const hk_friction *f, const hk_barrier_pair *p, hk_slip *slip) {
+static bool take_over(const hk_friction *f, const hk_barrier_pair *p, hk_slip *slip) {
   const uint32_t *first = f->first.item;
   int split = hk_pair_split(p->pair.kind);
   size_t count[2] = {0};
@@ -75,12 +78,26 @@ static void take_over(const hk_friction *f, const hk_barrier_pair *p, hk_slip *s
     uint32_t v = p->pair.vertex[a];
     count[a >= split] += first[v + 1] - first[v];
   }
-  if (count[0] == 0 || count[1] == 0) return;
+  if (count[0] == 0 || count[1] == 0) return false;
   int begin = count[0] <= count[1] ? 0 : split, end = count[0] <= count[1] ? split : 4;
   for (int a = begin; a < end; a++) inherit(f, p, p->pair.vertex[a], &h);
-  if (!(h.load > 0)) return;
+  if (!(h.load > 0)) return false;
   hk_add_scaled(slip->s, 1 / h.load, h.slip.s);
   slip->change = h.slip.change / h.load;
+  slip->slid = h.slip.slid;
+  return true;
+}
+
+/* What lands slides from the first on, along its velocity at the start of the step, unless it is slow. */
+static void land(const hk_friction *f, const hk_feature_pair *p, size_t n, hk_slip *slip) {
+  const double *x = f->begun.item, *v = x + 3 * n;
+  hk_nearest at = hk_pair_nearest(p, x);
+  double u[3] = {0};
+  for (int a = 0; a < 4; a++) hk_add_scaled(u, at.w[a], v + 3 * (size_t)p->vertex[a]);
+  across(u, hk_pair_frame_of(&at).n);
+  double size = fmax(HK_FRICTION_FAST, hk_length(u));
+  hk_add_scaled(slip->s, 1 / size, u);
+  if (size > HK_FRICTION_FAST) slip->slid = INFINITY;
 }
 
 /* ---- what pairs remember ---- */
@@ -89,6 +106,7 @@ typedef struct task {
   const hk_friction *friction;
   const hk_barrier_pair *near;
   hk_slip *slips;
+  size_t n;
 } task;
 
 static size_t place_of(const hk_friction *f, const hk_feature_pair *pair) {
@@ -115,46 +133,40 @@ static void recall_chunk(void *context, size_t begin, size_t end, size_t chunk) 
     for (; at < f->sticks.count && (order = hk_pair_compare(&sticks_of(f)[at].pair, &t->near[k].pair)) < 0;) at++;
     if (at < f->sticks.count && order == 0)
       *slip = sticks_of(f)[at].slip;
-    else if (f->sticks.count)
-      take_over(f, &t->near[k], slip);
+    else if (!f->sticks.count || !take_over(f, &t->near[k], slip))
+      land(f, &t->near[k].pair, t->n, slip);
   }
 }
 
 static hk_status note_start(hk_friction *f, const hk_host *host, const hk_view *view) {
-  hk_status status = hk_reserve_array(host, &f->begun, 3 * view->n);
-  if (status == HK_OK) memcpy(f->begun.item, view->x, 3 * view->n * sizeof *view->x);
-  return status;
+  hk_status status = hk_reserve_array(host, &f->begun, 6 * view->n);
+  if (status != HK_OK) return status;
+  memcpy(f->begun.item, view->x, 3 * view->n * sizeof *view->x);
+  memcpy((double *)f->begun.item + 3 * view->n, view->v, 3 * view->n * sizeof *view->v);
+  return HK_OK;
 }
 
 /* ---- the end of a step ---- */
 
-/* Coulomb's work on a slide of the contact, and what was missed of it: by a force along `end` where the way, m, is
- * along `way`, both across n; and before it slid, of which the work over the elastic slip L is counted once it slid as
- * far. */
-static void note_work(hk_friction *f, double most, hk_slip *s, const double *way, const double *end, double L) {
-  double length = hk_length(way), size = hk_length(end), before = s->slid;
-  s->slid += length;
-  f->taken += most * length;
-  f->missed += most * fmax(0, length - hk_dot(end, way) / fmax(size, 1));
+/* Coulomb's work on a slide of the contact, and what was missed of it before it slid, over the elastic slip L: counted
+ * once it has slid as far. */
+static void note_work(hk_friction *f, double most, hk_slip *s, double way, double L) {
+  double before = s->slid;
+  s->slid += way;
+  f->taken += most * way;
   if (before < L && s->slid >= L) f->missed += most * L;
 }
 
-static void across(double *u, const double *n) { hk_add_scaled(u, -hk_dot(u, n), n); }
-
-/* The way of the step, m, and what u was in its forces. */
-static void find_way(const hk_friction *f, const hk_stick *s, const double w[4], const hk_view *view, double by,
-                     double way[3], double end[3]) {
+/* The way of the step across n, m. */
+static void find_way(const hk_friction *f, const hk_stick *s, const double w[4], const double *x, double way[3]) {
   const double *begun = f->begun.item;
   way[0] = way[1] = way[2] = 0;
-  hk_copy(end, s->slip.s);
   for (int a = 0; a < 4; a++) {
     size_t i = 3 * (size_t)s->pair.vertex[a];
-    hk_add_scaled(way, w[a], view->x + i);
+    hk_add_scaled(way, w[a], x + i);
     hk_add_scaled(way, -w[a], begun + i);
-    hk_add_scaled(end, by * w[a], view->v + i);
   }
   across(way, s->n);
-  across(end, s->n);
 }
 
 /* Where the contact is after a step of h s. */
@@ -163,7 +175,7 @@ static hk_stick stick_of(hk_friction *f, const hk_barrier_contacts *c, const hk_
   const hk_barrier_pair *p = (const hk_barrier_pair *)c->near.item + v->near;
   hk_pair_frame frame = hk_pair_frame_of(&v->nearest);
   hk_stick s = {.pair = p->pair, .slip = ((const hk_slip *)f->slips.item)[v->near], .load = hk_barrier_load(v)};
-  double way[3], end[3], u[3], mobility = 0, L = hk_friction_length(f, &s.slip, h), most = f->coefficient * s.load;
+  double way[3], u[3], mobility = 0, L = hk_friction_length(f, &s.slip, h), most = f->coefficient * s.load;
   for (int a = 0; a < 4; a++) {
     s.id[a] = view->model->id[s.pair.vertex[a]];
     mobility += frame.w[a] * frame.w[a] * view->model->inverse_mass[s.pair.vertex[a]];
@@ -171,17 +183,18 @@ static hk_stick stick_of(hk_friction *f, const hk_barrier_contacts *c, const hk_
   s.slip.change = most * mobility;
   hk_copy(s.n, frame.n);
   across(s.slip.s, s.n);
-  find_way(f, &s, frame.w, view, h / L, way, end);
+  find_way(f, &s, frame.w, view->x, way);
   hk_copy(u, s.slip.s);
   hk_add_scaled(u, 1 / L, way);
   double size = hk_length(u);
   if (size > 1) {
-    note_work(f, most, &s.slip, way, end, L);
+    note_work(f, most, &s.slip, hk_length(way), L);
     *lost += most * (size - 1) * L;
     if (s.slip.slid > f->elastic_slip) s.slip.stuck = 0;
   } else {
     s.slip.slid = 0;
-    s.slip.stuck = fmin(s.slip.stuck + 1, HK_FRICTION_QUIET);
+    if (s.slip.stuck < HK_FRICTION_QUIET)
+      s.slip.stuck = hk_length(way) <= hk_friction_rest_length(f, &s.slip, h) ? s.slip.stuck + 1 : 0;
   }
   for (int e = 0; e < 3; e++) s.slip.s[e] = u[e] / fmax(1, size);
   return s;
@@ -211,8 +224,8 @@ hk_status hk_friction_remember(hk_friction *f, hk_barrier_contacts *c, const hk_
 
 /* ---- the start of a run, of a step, and its moves ---- */
 
-static void recall(const hk_friction *f, const hk_barrier_contacts *c) {
-  task t = {f, c->near.item, f->slips.item};
+static void recall(const hk_friction *f, const hk_barrier_contacts *c, size_t n) {
+  task t = {f, c->near.item, f->slips.item, n};
   c->host->parallel_for(c->host, c->found, HK_BARRIER_GRAIN, recall_chunk, &t);
 }
 
@@ -236,7 +249,7 @@ static hk_status begin(hk_friction *f, hk_barrier_contacts *c, const hk_view *vi
   double lost = 0;
   hk_status status = HK_OK;
   if (f->ready || f->sticks.count) return HK_OK;
-  recall(f, c);
+  recall(f, c, view->n);
   status = hk_friction_remember(f, c, view, 0, &lost);
   stick = f->sticks.item;
   for (size_t k = 0; k < f->sticks.count; k++) set_going(f, &stick[k], view);
@@ -250,7 +263,7 @@ hk_status hk_friction_recall(hk_friction *f, hk_barrier_contacts *c, const hk_vi
   hk_status status = starts ? note_start(f, c->host, from) : HK_OK;
   if (status == HK_OK) status = hk_reserve_array(c->host, &f->slips, c->found);
   if (status == HK_OK && starts) status = begin(f, c, from);
-  if (status == HK_OK) recall(f, c);
+  if (status == HK_OK) recall(f, c, from->n);
   return status;
 }
 
