@@ -84,6 +84,8 @@ void hk_friction_bound(const hk_friction *, hk_barrier_contacts *, const hk_view
 /* After hk_barrier_find, with the law of the step: what each candidate remembers. Where the move begins at the start of
  * a step, that is noted. */
 hk_status hk_friction_recall(hk_friction *, hk_barrier_contacts *, const hk_view *from);
+/* What the candidate `near` of the contacts, which acts, remembers; n, the particles. */
+const hk_slip *hk_friction_slip(const hk_friction *, const hk_barrier_contacts *, size_t near, size_t n);
 /* At the end of a step of h s. Adds to *lost what friction took, J: mu l times what slid beyond the elastic slip. */
 hk_status hk_friction_remember(hk_friction *, hk_barrier_contacts *, const hk_view *, double h, double *lost);
 /* What the forces missed of Coulomb's work on what slid, the work over an elastic slip wherever a contact began to,

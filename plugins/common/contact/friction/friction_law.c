@@ -39,14 +39,14 @@ static void find_slip(rub *r, const double *v) {
   r->size = hk_length(r->u);
 }
 
-static rub rub_of(const hk_friction *f, const hk_barrier_contacts *c, size_t k, const double *v, double T) {
+static rub rub_of(const hk_friction *f, const hk_barrier_contacts *c, size_t k, const hk_view *view) {
   const hk_barrier_value *value = hk_barrier_acting(c, k);
   rub r = {.pair = (const hk_barrier_pair *)c->near.item + value->near, .value = value};
-  r.slip = (const hk_slip *)f->slips.item + value->near;
+  r.slip = hk_friction_slip(f, c, value->near, view->n);
   r.frame = hk_pair_frame_of(&value->nearest);
   r.load = hk_barrier_load(value);
-  r.by = T / hk_friction_length(f, r.slip, T);
-  find_slip(&r, v);
+  r.by = since_start(view) / hk_friction_length(f, r.slip, since_start(view));
+  find_slip(&r, view->v);
   double y = r.size, most = f->coefficient * r.load * (held(r.slip) ? 1 + HK_FRICTION_HOLD : 1);
   r.ratio = most * (y < 1 ? 2 - y : 1 / y);
   r.slope = y < 1 ? 2 * most * (1 - y) : 0;
@@ -70,7 +70,7 @@ double hk_friction_add(const hk_friction *f, hk_barrier_contacts *c, const hk_vi
   size_t count = rubbing(f, c, view);
   double power = 0;
   for (size_t k = 0; k < count; k++) {
-    rub r = rub_of(f, c, k, view->v, since_start(view));
+    rub r = rub_of(f, c, k, view);
     for (int a = 0; a < 4; a++) hk_add_scaled(F + 3 * (size_t)r.pair->pair.vertex[a], -r.ratio * r.frame.w[a], r.u);
     power += power_of(&r, view->v);
   }
@@ -121,9 +121,9 @@ static void add_turning(const rub *r, const hk_friction_slopes *d, const size_t 
 
 void hk_friction_blocks(const hk_friction *f, hk_barrier_contacts *c, const hk_view *view, const hk_blocks *into) {
   size_t count = rubbing(f, c, view);
-  double T = since_start(view), way[12];
+  double way[12];
   for (size_t k = 0; k < count; k++) {
-    rub r = rub_of(f, c, k, view->v, T);
+    rub r = rub_of(f, c, k, view);
     const size_t *slot = into->slot + 16 * (size_t)r.pair->name;
     if (into->want & HK_WANT_DEFINITE) r.slope = r.ratio;
     add_damping(&r, slot, into->D);

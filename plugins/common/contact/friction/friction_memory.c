@@ -9,6 +9,7 @@
 #include <string.h>
 
 static const double least_way = 10; /* distances of the barrier: what slides less is judged by the work on that */
+static const double unknown = -1;   /* for hk_slip.stuck: what it begins with is found when the pair acts */
 static const double alike = 0.5;    /* cosine of two normals, of which one contact may follow the other */
 
 static void across(double *u, const double *n) { hk_add_scaled(u, -hk_dot(u, n), n); }
@@ -88,25 +89,12 @@ static bool take_over(const hk_friction *f, const hk_barrier_pair *p, hk_slip *s
   return true;
 }
 
-/* What lands slides from the first on, along its velocity at the start of the step, unless it is slow. */
-static void land(const hk_friction *f, const hk_feature_pair *p, size_t n, hk_slip *slip) {
-  const double *x = f->begun.item, *v = x + 3 * n;
-  hk_nearest at = hk_pair_nearest(p, x);
-  double u[3] = {0};
-  for (int a = 0; a < 4; a++) hk_add_scaled(u, at.w[a], v + 3 * (size_t)p->vertex[a]);
-  across(u, hk_pair_frame_of(&at).n);
-  double size = fmax(HK_FRICTION_FAST, hk_length(u));
-  hk_add_scaled(slip->s, 1 / size, u);
-  if (size > HK_FRICTION_FAST) slip->slid = INFINITY;
-}
-
 /* ---- what pairs remember ---- */
 
 typedef struct task {
   const hk_friction *friction;
   const hk_barrier_pair *near;
   hk_slip *slips;
-  size_t n;
 } task;
 
 static size_t place_of(const hk_friction *f, const hk_feature_pair *pair) {
@@ -134,8 +122,28 @@ static void recall_chunk(void *context, size_t begin, size_t end, size_t chunk) 
     if (at < f->sticks.count && order == 0)
       *slip = sticks_of(f)[at].slip;
     else if (!f->sticks.count || !take_over(f, &t->near[k], slip))
-      land(f, &t->near[k].pair, t->n, slip);
+      slip->stuck = unknown;
   }
+}
+
+/* What lands slides from the first on, along its velocity at the start of the step, unless it is slow. */
+static hk_slip landing(const hk_friction *f, const hk_feature_pair *p, size_t n) {
+  const double *x = f->begun.item, *v = x + 3 * n;
+  hk_nearest at = hk_pair_nearest(p, x);
+  hk_slip slip = {0};
+  double u[3] = {0};
+  for (int a = 0; a < 4; a++) hk_add_scaled(u, at.w[a], v + 3 * (size_t)p->vertex[a]);
+  across(u, hk_pair_frame_of(&at).n);
+  double size = fmax(HK_FRICTION_FAST, hk_length(u));
+  hk_add_scaled(slip.s, 1 / size, u);
+  if (size > HK_FRICTION_FAST) slip.slid = INFINITY;
+  return slip;
+}
+
+const hk_slip *hk_friction_slip(const hk_friction *f, const hk_barrier_contacts *c, size_t near, size_t n) {
+  hk_slip *slip = (hk_slip *)f->slips.item + near;
+  if (slip->stuck == unknown) *slip = landing(f, &((const hk_barrier_pair *)c->near.item)[near].pair, n);
+  return slip;
 }
 
 static hk_status note_start(hk_friction *f, const hk_host *host, const hk_view *view) {
@@ -174,7 +182,7 @@ static hk_stick stick_of(hk_friction *f, const hk_barrier_contacts *c, const hk_
                          double h, double *lost) {
   const hk_barrier_pair *p = (const hk_barrier_pair *)c->near.item + v->near;
   hk_pair_frame frame = hk_pair_frame_of(&v->nearest);
-  hk_stick s = {.pair = p->pair, .slip = ((const hk_slip *)f->slips.item)[v->near], .load = hk_barrier_load(v)};
+  hk_stick s = {.pair = p->pair, .slip = *hk_friction_slip(f, c, v->near, view->n), .load = hk_barrier_load(v)};
   double way[3], u[3], mobility = 0, L = hk_friction_length(f, &s.slip, h), most = f->coefficient * s.load;
   for (int a = 0; a < 4; a++) {
     s.id[a] = view->model->id[s.pair.vertex[a]];
@@ -224,8 +232,8 @@ hk_status hk_friction_remember(hk_friction *f, hk_barrier_contacts *c, const hk_
 
 /* ---- the start of a run, of a step, and its moves ---- */
 
-static void recall(const hk_friction *f, const hk_barrier_contacts *c, size_t n) {
-  task t = {f, c->near.item, f->slips.item, n};
+static void recall(const hk_friction *f, const hk_barrier_contacts *c) {
+  task t = {f, c->near.item, f->slips.item};
   c->host->parallel_for(c->host, c->found, HK_BARRIER_GRAIN, recall_chunk, &t);
 }
 
@@ -249,7 +257,7 @@ static hk_status begin(hk_friction *f, hk_barrier_contacts *c, const hk_view *vi
   double lost = 0;
   hk_status status = HK_OK;
   if (f->ready || f->sticks.count) return HK_OK;
-  recall(f, c, view->n);
+  recall(f, c);
   status = hk_friction_remember(f, c, view, 0, &lost);
   stick = f->sticks.item;
   for (size_t k = 0; k < f->sticks.count; k++) set_going(f, &stick[k], view);
@@ -263,7 +271,7 @@ hk_status hk_friction_recall(hk_friction *f, hk_barrier_contacts *c, const hk_vi
   hk_status status = starts ? note_start(f, c->host, from) : HK_OK;
   if (status == HK_OK) status = hk_reserve_array(c->host, &f->slips, c->found);
   if (status == HK_OK && starts) status = begin(f, c, from);
-  if (status == HK_OK) recall(f, c, from->n);
+  if (status == HK_OK) recall(f, c);
   return status;
 }
 
