@@ -253,6 +253,7 @@ void hk_bodies_close(hk_dynamics *);
 
 /* ---- release.c ---- */
 
+enum { HK_RELEASE_MATTERS = 2 };           /* to methods of an order above that */
 hk_status hk_releases_open(hk_dynamics *); /* for the equations that there are */
 void hk_releases_close(hk_releases *);
 void hk_release_begin(hk_constraints *); /* of a step */

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HIGHER = 2, ATTEMPTS = 6 }; /* the order from which on corners count; cuts of one step of the loop, at most */
+enum { ATTEMPTS = 6 }; /* cuts of one step of the loop, at most */
 
 /* To an end of the step, in parts of it: d above; and the change of a multiplier, in parts of the largest so far, in
  * which its zero does not matter, as the step then is short by as much. */
@@ -93,7 +93,7 @@ hk_status hk_constraints_release(hk_dynamics *d, double t, double *x, double *v,
   hk_releases *r = &c->releases;
   bool any = false;
   size_t first = SIZE_MAX;
-  if (hk_constraint_order(d) <= HIGHER) return HK_OK;
+  if (hk_constraint_order(d) <= HK_RELEASE_MATTERS) return HK_OK;
   for (size_t k = 0; k < c->equations && !any; k++) any = may_release(c, k);
   if (!any || !may_cut(r, t)) return HK_OK;
   hk_status status = weigh(d, t, x, v);

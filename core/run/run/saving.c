@@ -1,5 +1,6 @@
 /* Checkpoints of a run under way, for outputs ("checkpoint/1"). The run can go on bit by bit from a point where all
- * that its methods know is in saved fields. For explicit methods that is between any two steps. Methods that solve
+ * that its methods know is in saved fields. For explicit methods that is between any two steps, where nothing rests on
+ * one-sided constraints. Methods that solve
  * linear systems keep factors, and some a library's history: at the frames that an output asks for they are made to do
  * without, so that the run that stops there and the one that does not go on alike. Such a point is kept in memory until
  * the next, so that a run which ends in between has it. */
@@ -76,8 +77,18 @@ hk_status hk_run_framed(void *context) {
   return status == HK_OK && *s->path ? write_to(run, s->path) : status;
 }
 
+/* Whether a one-sided equation pushes that steps are cut for where it lets go (release.c): where that is follows from
+ * the step before, too. */
+static bool may_let_go(const hk_run *run) {
+  const hk_constraints *c = run->dynamics.constraints;
+  bool any = false;
+  if (!c || hk_constraint_order(&run->dynamics) <= HK_RELEASE_MATTERS) return false;
+  for (size_t k = 0; k < c->equations; k++) any |= c->one_sided[k] && c->releases.acts[k];
+  return any;
+}
+
 /* Whether the present state, between two steps, will do. */
-static bool anywhere(const hk_run *run) { return run->loop.between_steps && !hides(run); }
+static bool anywhere(const hk_run *run) { return run->loop.between_steps && !hides(run) && !may_let_go(run); }
 
 static hk_status newest(void *self, bool *newer) {
   hk_run *run = self;
