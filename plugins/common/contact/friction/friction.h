@@ -69,9 +69,6 @@ typedef struct hk_friction {
 
 /* Of the contacts at the positions of the view. Returns the power, W. */
 double hk_friction_add(const hk_friction *, hk_barrier_contacts *, const hk_view *, double *F);
-/* m, L after T s: what a contact of that memory may be displaced by; and what it may where it rests. */
-double hk_friction_length(const hk_friction *, const hk_slip *, double T);
-double hk_friction_rest_length(const hk_friction *, const hk_slip *, double T);
 /* Adds D, symmetric and definite, and, where no symmetric or definite blocks are wanted, K, which is unsymmetric. Where
  * definite ones are, D has mu l f/|u| along u as well, the slope of a quadratic that is nowhere below the potential of
  * the friction (Huber 1981, Robust Statistics, 7.8): no step goes beyond where it turns, and searches succeed. */
@@ -81,6 +78,9 @@ void hk_friction_bound(const hk_friction *, hk_barrier_contacts *, const hk_view
 
 /* ---- friction_memory.c ---- */
 
+/* m, L after T s: what a contact of that memory may be displaced by; and what it may where it rests. */
+double hk_friction_length(const hk_friction *, const hk_slip *, double T);
+double hk_friction_rest_length(const hk_friction *, const hk_slip *, double T);
 /* After hk_barrier_find, with the law of the step: what each candidate remembers. Where the move begins at the start of
  * a step, that is noted. */
 hk_status hk_friction_recall(hk_friction *, hk_barrier_contacts *, const hk_view *from);

@@ -20,18 +20,6 @@ static double since_start(const hk_view *view) { return view->t - view->model->t
 /* Whether it stuck at the end of the last step. */
 static bool held(const hk_slip *slip) { return slip->change > 0 && hk_dot(slip->s, slip->s) < 1 - 1e-9; }
 
-double hk_friction_rest_length(const hk_friction *f, const hk_slip *slip, double T) {
-  return fmin(f->elastic_slip, HK_FRICTION_PART * slip->change * T * T);
-}
-
-/* Steps that resolve the swing on an elastic slip of the parameter, by a radian or less, keep that. */
-double hk_friction_length(const hk_friction *f, const hk_slip *slip, double T) {
-  bool resolved = 2 * slip->change * T * T < f->elastic_slip;
-  if (!f->implicit || resolved) return f->elastic_slip;
-  return slip->stuck >= HK_FRICTION_QUIET ? hk_friction_rest_length(f, slip, T)
-                                          : fmax(f->elastic_slip, HK_FRICTION_FAST * T);
-}
-
 static void find_slip(rub *r, const double *v) {
   hk_copy(r->u, r->slip->s);
   for (int a = 0; a < 4; a++) hk_add_scaled(r->u, r->by * r->frame.w[a], v + 3 * (size_t)r->pair->pair.vertex[a]);

@@ -16,6 +16,20 @@ static void across(double *u, const double *n) { hk_add_scaled(u, -hk_dot(u, n),
 
 static const hk_stick *sticks_of(const hk_friction *f) { return f->sticks.item; }
 
+/* ---- the elastic slip ---- */
+
+double hk_friction_rest_length(const hk_friction *f, const hk_slip *slip, double T) {
+  return fmin(f->elastic_slip, HK_FRICTION_PART * slip->change * T * T);
+}
+
+/* Steps that resolve the swing on an elastic slip of the parameter, by a radian or less, keep that. */
+double hk_friction_length(const hk_friction *f, const hk_slip *slip, double T) {
+  bool resolved = 2 * slip->change * T * T < f->elastic_slip;
+  if (!f->implicit || resolved) return f->elastic_slip;
+  return slip->stuck >= HK_FRICTION_QUIET ? hk_friction_rest_length(f, slip, T)
+                                          : fmax(f->elastic_slip, HK_FRICTION_FAST * T);
+}
+
 /* ---- by particles ---- */
 
 /* Lists the contacts of every particle. */
