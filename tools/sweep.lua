@@ -241,7 +241,7 @@ local function execute(asked)
   store.identify(the.cases, the.plugins, the.definition.paths)
   local path = given["--part"] or given["--db"] or ("out/sweep/%s.db"):format(the.definition.name)
   the.base = path:gsub("%.db$", "")
-  if given["--report"] and not store.exists(path) then
+  if given["--report"] and not (given["--merge"] or store.exists(path) or slurm.has_parts(path)) then
     plan.refuse("--report: there is no %s: run the sweep first, or name its database with --db", path)
   end
   local results = store.open(path, given["--part"] and "delete")

@@ -12,6 +12,9 @@ local slurm = {}
 
 local function parts_folder(results) return results.path .. ".parts" end
 
+-- Whether tasks of Slurm have left databases beside the one at the path.
+function slurm.has_parts(path) return lfs.attributes(path .. ".parts", "mode") == "directory" end
+
 -- Merges the results that tasks have written so far; returns the number of new cases.
 function slurm.collect(results)
   local folder, count = parts_folder(results), 0
