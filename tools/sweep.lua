@@ -216,8 +216,7 @@ local function report(the, results, given)
     end
   end
   local counts, notes = rows.count(the)
-  table.move(remarks.warnings(the), 1, 1000, #notes + 1, notes)
-  table.move(remarks.equal_lines(the), 1, 1000, #notes + 1, notes)
+  for _, lines in ipairs { remarks.warnings(the), remarks.equal_lines(the) } do table.move(lines, 1, #lines, #notes + 1, notes) end
   for _, note in ipairs(notes) do command_line.complain("sweep", note) end
   if not the.quiet then print(("%s: %s; %s"):format(the.definition.name, counts, results.path)) end
   return code

@@ -54,7 +54,6 @@
 enum { PATIENCE = 100 };
 
 static const double safety = 0.9, least = 0.2, most = 2, keep = 1.3, algebraic = 0.02;
-static const double frame = 1.0 / 60;            /* s */
 static const double rounding = 16 * DBL_EPSILON; /* of a coordinate: what its differences are off by is no error */
 
 typedef struct linear_bdf2 {
@@ -303,12 +302,10 @@ static void take(linear_bdf2 *m, hk_system *s, double h, double wanted, bool ret
 static void tell_of_contact(linear_bdf2 *m, const hk_system *s) {
   if (!s->contact || m->told) return;
   m->told = true;
-  s->host->warn(
-      s->host,
-      "a force of contact is not followed by one linearisation: every step is one of TR-BDF2, with two stages "
-      "and as short as tol asks for; --integrator bdf2 --dt %.2g takes fixed steps, which cost a tenth and "
-      "damp, or take the corrector contact in place of the force",
-      frame);
+  s->host->warn(s->host,
+                "a force of contact is not followed by one linearisation: every step is one of TR-BDF2, with two "
+                "stages and as short as tol asks for; --integrator bdf2 takes fixed steps, such as --dt of a "
+                "frame, which cost a tenth and damp, or take the corrector contact in place of the force");
 }
 
 /* The first step, and every one in contact. */

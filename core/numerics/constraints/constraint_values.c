@@ -145,3 +145,9 @@ void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_
   }
   if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");
 }
+
+bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
+  if (pin == UINT32_MAX) return false;
+  const hk_pin_spec *spec = d->pins->item[pin].spec;
+  return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
+}

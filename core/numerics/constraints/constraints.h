@@ -177,11 +177,7 @@ hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every
 void hk_constraint_matrix_free(hk_constraints *);
 
 /* Whether that pin, UINT32_MAX: none, holds its particles to the end of the run, so that they join no equations. */
-static inline bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
-  if (pin == UINT32_MAX) return false;
-  const hk_pin_spec *spec = d->pins->item[pin].spec;
-  return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
-}
+bool hk_constraint_held(const hk_dynamics *, uint32_t pin);
 
 /* ---- rider_blocks.c ---- */
 

@@ -1,9 +1,9 @@
 /* Newton's restitution with Coulomb's friction may give energy to a body whose tangential speed turns round in the
  * impact (Kane and Levinson 1985, Dynamics, theory and applications, section 5.11), and without friction where one
- * impact of a body stops what leaves by another. Of the solutions with the given
- * restitution and with none, both keep the equations and their impulses lie in Coulomb's cone; so do all mixtures of
- * them, as both are convex. Without restitution energy is never made (Moreau 1988), so there is a mixture that keeps
- * it: impacts with the largest part of the restitution for which the kinetic energy does not grow. */
+ * impact of a body stops what leaves by another. Of the solutions with the given restitution and with none, both keep
+ * the equations and their impulses lie in Coulomb's cone; so do all mixtures of them, as both are convex. Without
+ * restitution energy is never made (Moreau 1988), so there is a mixture that keeps it: impacts with the largest part of
+ * the restitution for which the kinetic energy does not grow. */
 #include "plugins/common/contact/bodies/body_energy.h"
 #include "plugins/kit/vector3.h"
 

@@ -2,6 +2,8 @@
 #include "plugins/common/contact/friction/friction.h"
 #include "plugins/kit/vector3.h"
 
+static const double hold = 1.001; /* of Coulomb's force, what keeps a contact that stuck */
+
 /* A contact that rubs. */
 typedef struct rub {
   const hk_barrier_pair *pair;
@@ -35,7 +37,7 @@ static rub rub_of(const hk_friction *f, const hk_barrier_contacts *c, size_t k, 
   r.load = hk_barrier_load(value);
   r.by = since_start(view) / hk_friction_length(f, r.slip, since_start(view));
   find_slip(&r, view->v);
-  double y = r.size, most = f->coefficient * r.load * (held(r.slip) ? 1 + HK_FRICTION_HOLD : 1);
+  double y = r.size, most = f->coefficient * r.load * (held(r.slip) ? hold : 1);
   r.ratio = most * (y < 1 ? 2 - y : 1 / y);
   r.slope = y < 1 ? 2 * most * (1 - y) : 0;
   return r;

@@ -8,9 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double least_way = 10; /* distances of the barrier: what slides less is judged by the work on that */
-static const double unknown = -1;   /* for hk_slip.stuck: what it begins with is found when the pair acts */
-static const double alike = 0.5;    /* cosine of two normals, of which one contact may follow the other */
+static const double fast = 1e-3;      /* m/s: what is slower may stick where it lands */
+static const double rest_part = 5e-4; /* of the way in which friction turns a contact back: L of what rests */
+static const double quiet = 8;        /* steps after which a contact rests */
+static const double least_way = 10;   /* distances of the barrier: what slides less is judged by the work on that */
+static const double unknown = -1;     /* for hk_slip.stuck: what it begins with is found when the pair acts */
+static const double alike = 0.5;      /* cosine of two normals, of which one contact may follow the other */
 
 static void across(double *u, const double *n) { hk_add_scaled(u, -hk_dot(u, n), n); }
 
@@ -19,15 +22,14 @@ static const hk_stick *sticks_of(const hk_friction *f) { return f->sticks.item; 
 /* ---- the elastic slip ---- */
 
 double hk_friction_rest_length(const hk_friction *f, const hk_slip *slip, double T) {
-  return fmin(f->elastic_slip, HK_FRICTION_PART * slip->change * T * T);
+  return fmin(f->elastic_slip, rest_part * slip->change * T * T);
 }
 
 /* Steps that resolve the swing on an elastic slip of the parameter, by a radian or less, keep that. */
 double hk_friction_length(const hk_friction *f, const hk_slip *slip, double T) {
   bool resolved = 2 * slip->change * T * T < f->elastic_slip;
   if (!f->implicit || resolved) return f->elastic_slip;
-  return slip->stuck >= HK_FRICTION_QUIET ? hk_friction_rest_length(f, slip, T)
-                                          : fmax(f->elastic_slip, HK_FRICTION_FAST * T);
+  return slip->stuck >= quiet ? hk_friction_rest_length(f, slip, T) : fmax(f->elastic_slip, fast * T);
 }
 
 /* ---- by particles ---- */
@@ -148,9 +150,9 @@ static hk_slip landing(const hk_friction *f, const hk_feature_pair *p, size_t n)
   double u[3] = {0};
   for (int a = 0; a < 4; a++) hk_add_scaled(u, at.w[a], v + 3 * (size_t)p->vertex[a]);
   across(u, hk_pair_frame_of(&at).n);
-  double size = fmax(HK_FRICTION_FAST, hk_length(u));
+  double size = fmax(fast, hk_length(u));
   hk_add_scaled(slip.s, 1 / size, u);
-  if (size > HK_FRICTION_FAST) slip.slid = INFINITY;
+  if (size > fast) slip.slid = INFINITY;
   return slip;
 }
 
@@ -215,7 +217,7 @@ static hk_stick stick_of(hk_friction *f, const hk_barrier_contacts *c, const hk_
     if (s.slip.slid > f->elastic_slip) s.slip.stuck = 0;
   } else {
     s.slip.slid = 0;
-    if (s.slip.stuck < HK_FRICTION_QUIET)
+    if (s.slip.stuck < quiet)
       s.slip.stuck = hk_length(way) <= hk_friction_rest_length(f, &s.slip, h) ? s.slip.stuck + 1 : 0;
   }
   for (int e = 0; e < 3; e++) s.slip.s[e] = u[e] / fmax(1, size);
@@ -240,8 +242,7 @@ hk_status hk_friction_remember(hk_friction *f, hk_barrier_contacts *c, const hk_
   status = c->host->resize(c->host, &f->sticks, count);
   if (status != HK_OK) return status;
   if (count) memcpy(f->sticks.item, next, count * sizeof *next);
-  status = list_members(f, c->host, view->n);
-  return status == HK_OK ? note_start(f, c->host, view) : status;
+  return list_members(f, c->host, view->n);
 }
 
 /* ---- the start of a run, of a step, and its moves ---- */
@@ -262,7 +263,7 @@ static void set_going(const hk_friction *f, hk_stick *s, const hk_view *view) {
   if (size > speed)
     s->slip.slid = INFINITY;
   else
-    s->slip.stuck = HK_FRICTION_QUIET;
+    s->slip.stuck = quiet;
 }
 
 /* What carries something at the start of a run. */
@@ -316,6 +317,5 @@ hk_status hk_friction_renumber(hk_friction *f, const hk_host *host, const hk_vie
   hk_status status = host->resize(host, &f->sticks, kept);
   if (status != HK_OK) return status;
   if (kept) qsort(f->sticks.item, kept, sizeof *stick, compare);
-  status = list_members(f, host, view->n);
-  return status == HK_OK ? note_start(f, host, view) : status;
+  return list_members(f, host, view->n);
 }
