@@ -1,76 +1,18 @@
 /* The gas in octahedra against closed forms, its energy and differences of itself, in sparse and in full blocks; what
  * is open, inside out, turned inside out during a run, or too large for implicit steps; a puncture; no memory. */
-#include "tests/support/force_check.h"
+#include "tests/plugins/forces/closed_surfaces.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-enum { PIECES = 2, N = 6 * PIECES, SIZE = 3 * N, FACES = 8 };
-
-static const double VOLUME = 4.0 / 3; /* of the octahedron |x| + |y| + |z| = 1 */
-
-static uint64_t bits = 1;
-
-/* -1 to 1. */
-static double noise(void) {
-  bits = bits * 6364136223846793005u + 1442695040888963407u;
-  return (double)(bits >> 11) * 0x1p-52 - 1;
-}
-
-static hk_status open_run(test_engine *e) { return hk_run_open(e->scene, &e->options, &e->run, &e->error); }
-
-/* Corners -x, x, -y, y, -z, z; `inward`: the triangles run the other way. */
-static void octahedron(uint32_t first, bool inward, uint32_t face[FACES][3]) {
-  for (uint32_t k = 0; k < FACES; k++) {
-    uint32_t x = k & 1, y = 2 + (k >> 1 & 1), z = 4 + (k >> 2);
-    bool turned = ((x + y + z) % 2 == 0) != inward;
-    face[k][0] = first + x, face[k][1] = first + (turned ? z : y), face[k][2] = first + (turned ? y : z);
-  }
-}
-
-/* Two of them, at 0 and at (5, 0, 0), the second twice as large. */
 static hk_plugin_spec *add_bodies(test_engine *e, double p, double exponent, double ambient) {
-  uint32_t face[PIECES * FACES][3];
-  test_engine_open(e);
-  for (uint32_t b = 0; b < PIECES; b++) {
-    for (int k = 0; k < 6; k++) {
-      double at[3] = {0};
-      at[k / 2] = (k % 2 ? 1 : -1) * (1.0 + b);
-      test_particle(e, 5 * b + at[0], at[1], at[2], 1 + 0.1 * k);
-    }
-    octahedron(6 * b + 1, false, face + FACES * b);
-  }
-  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "pressure");
-  test_tuples(e, spec, "triangles", 3, face[0], PIECES * FACES);
+  hk_plugin_spec *spec = add_octahedra(e, "pressure");
   test_number(e, spec, "p", p);
   test_number(e, spec, "exponent", exponent);
   test_number(e, spec, "ambient", ambient);
-  e->options.dt = 1e-3;
   return spec;
 }
 
-typedef struct bodies {
-  test_engine e;
-  hk_instance *gas;
-  hk_view view;
-  double x[SIZE], v[SIZE];
-} bodies;
-
 static void open_bodies(bodies *b, double p, double exponent, double ambient) {
-  hk_plugin_spec *spec = add_bodies(&b->e, p, exponent, ambient);
-  test_run(&b->e);
-  b->gas = test_instance(&b->e, spec);
-  b->view = force_view(&b->e, b->gas);
-  memcpy(b->x, b->view.x, sizeof b->x);
-  memset(b->v, 0, sizeof b->v);
-  b->view.x = b->x, b->view.v = b->v;
+  run_bodies(b, add_bodies(&b->e, p, exponent, ambient));
 }
-
-static double energy_of(const bodies *b) { return b->gas->plugin->force->energy(b->gas->self, &b->view); }
 
 /* Drawn out to s times its length the first one has s V_0, and each corner feels the overpressure times the area that
  * it sees along its axis, V_0/2 in units of the other axes' lengths. Energies are the gas's work in closed form, n
@@ -85,7 +27,7 @@ static void an_octahedron_by_hand(void **state) {
       double F[SIZE], n = exponents[k];
       open_bodies(&b, p, n, out);
       for (int i = 0; i < 6; i++) b.x[3 * i + 2] *= s;
-      force_evaluate(b.gas, &b.view, F);
+      force_evaluate(b.force, &b.view, F);
       double over = k == 0 ? p : (out + p) * pow(s, -n) - out;
       double E = k == 0   ? -p * VOLUME * (s - 1)
                  : k == 1 ? VOLUME * (out * (s - 1) - (out + p) * log(s))
@@ -107,8 +49,8 @@ static void derivatives_are_those_of_the_energy(void **state) {
     bodies b;
     open_bodies(&b, gas[k][0], gas[k][1], gas[k][2]);
     for (int q = 0; q < SIZE; q++) b.x[q] += 0.3 * noise(), b.v[q] = noise();
-    assert_true(force_gradient_error(b.gas, &b.view) < FORCE_DIFFERENCES);
-    assert_true(force_stiffness_error(b.gas, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_gradient_error(b.force, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_stiffness_error(b.force, &b.view) < FORCE_DIFFERENCES);
     test_engine_close(&b.e);
   }
 }
@@ -123,37 +65,26 @@ static void a_closed_surface_is_in_balance(void **state) {
     double F[SIZE], sum[6] = {0};
     open_bodies(&b, 7, gas, 1);
     for (int q = 0; q < SIZE; q++) b.x[q] += 0.3 * noise();
-    force_evaluate(b.gas, &b.view, F);
+    force_evaluate(b.force, &b.view, F);
     for (int i = 0; i < N; i++)
       for (int c = 0; c < 3; c++) {
         int d = (c + 1) % 3, e = (c + 2) % 3;
         sum[c] += F[3 * i + c], sum[3 + c] += b.x[3 * i + d] * F[3 * i + e] - b.x[3 * i + e] * F[3 * i + d];
       }
     for (int c = 0; c < 6; c++) assert_true(fabs(sum[c]) < 1e-12);
-    assert_int_equal(force_matrices(b.gas, &b.view, K, D), PIECES * (gas ? 6 * 6 : 9 * FACES));
+    assert_int_equal(force_matrices(b.force, &b.view, K, D), PIECES * (gas ? 6 * 6 : 9 * FACES));
     for (int r = 0; r < SIZE; r++)
       for (int c = 0; c < r; c++) assert_true(fabs(K[SIZE * r + c] - K[SIZE * c + r]) < 1e-13);
     test_engine_close(&b.e);
   }
 }
 
-/* Dead is a corner of the first body: it is open, and the other one goes on as before. */
 static void a_punctured_body_loses_its_gas(void **state) {
   (void)state;
   bodies b;
-  double F[SIZE], G[SIZE];
   open_bodies(&b, 2, 1.4, 5);
   for (int q = 0; q < SIZE; q++) b.x[q] += 0.1 * noise();
-  force_evaluate(b.gas, &b.view, F);
-  uint32_t map[N], id[N];
-  for (uint32_t i = 0; i < N; i++) map[i] = i == 2 ? UINT32_MAX : i - (i > 2), id[i] = i + 1 + (i > 1);
-  memmove(b.x + 6, b.x + 9, (SIZE - 9) * sizeof *b.x);
-  hk_model model = *b.view.model;
-  model.id = id, model.n = b.view.n = b.view.acting = N - 1, b.view.model = &model;
-  assert_int_equal(hk_instance_remap(b.gas, map, N, &b.view, 6 * N - 5, &b.e.error), HK_OK);
-  force_evaluate(b.gas, &b.view, G);
-  for (int q = 0; q < 3 * 5; q++) assert_true(G[q] == 0);
-  for (int q = 3 * 5; q < SIZE - 3; q++) assert_true(G[q] == F[q + 3] && F[q + 3] != 0);
+  assert_open_without_a_corner(&b);
   test_engine_close(&b.e);
 }
 
@@ -192,62 +123,34 @@ static void what_turns_inside_out_is_pushed_back(void **state) {
     double F[SIZE], p = 2, over = gas ? p * 1e3 * (1 + 1e3 * (1e-3 + 1)) : p;
     open_bodies(&b, p, gas, 0);
     for (int i = 0; i < 6; i++) b.x[3 * i] *= -1;
-    force_evaluate(b.gas, &b.view, F);
+    force_evaluate(b.force, &b.view, F);
     assert_true(fabs(F[0] + over * 2 / 3) < 1e-12 * over); /* grad V is that of the body with its corners exchanged */
     for (int q = 0; q < SIZE; q++) b.x[q] += 0.1 * noise();
-    assert_true(force_gradient_error(b.gas, &b.view) < FORCE_DIFFERENCES);
-    assert_true(force_stiffness_error(b.gas, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_gradient_error(b.force, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_stiffness_error(b.force, &b.view) < FORCE_DIFFERENCES);
     test_engine_close(&b.e);
   }
 }
 
-/* A bipyramid of 600 corners: explicit steps go, and implicit ones with a given pressure; with a gas implicit ones are
- * refused with the way out. */
+/* Explicit steps go, and implicit ones with a given pressure; with a gas implicit ones are refused with the way out. */
 static void what_is_too_large_for_blocks_is_said(void **state) {
   (void)state;
-  enum { RING = 600 };
   for (int mode = 0; mode < 4; mode++) {
     bool implicit = mode % 2, gas = mode / 2;
     test_engine e;
-    uint32_t(*face)[3] = malloc(2 * RING * sizeof *face);
-    test_engine_open(&e);
-    for (int k = 0; k < RING; k++) test_particle(&e, cos(k * 6.28 / RING), sin(k * 6.28 / RING), 0, 1);
-    test_particle(&e, 0, 0, 1, 1), test_particle(&e, 0, 0, -1, 1);
-    for (uint32_t k = 0; k < RING; k++) {
-      uint32_t next = (k + 1) % RING + 1;
-      memcpy(face[2 * k], (uint32_t[]){k + 1, next, RING + 1}, sizeof *face);
-      memcpy(face[2 * k + 1], (uint32_t[]){next, k + 1, RING + 2}, sizeof *face);
-    }
-    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "pressure");
-    test_tuples(&e, spec, "triangles", 3, face[0], 2 * RING);
+    hk_plugin_spec *spec = add_bipyramid(&e, "pressure");
     test_number(&e, spec, "p", 1);
     test_number(&e, spec, "exponent", gas ? 1 : 0);
     test_number(&e, spec, "ambient", 1);
-    test_plugin(&e, HK_INTEGRATOR, implicit ? "backward_euler" : "leapfrog");
-    e.options.dt = 1e-3;
-    test_run(&e);
-    hk_status status = hk_run_advance(e.run, 2e-3, &e.error);
-    assert_int_equal(status, implicit && gas ? HK_BAD_PARAM : HK_OK);
-    if (implicit && gas) assert_non_null(strstr(e.error.text, "the gas in a surface of 602 particles couples all"));
-    free(face);
-    test_engine_close(&e);
+    assert_steps(&e, implicit, implicit && gas ? "the gas in a surface of 602 particles couples all" : NULL);
   }
 }
 
+static void open_gas(test_engine *e) { add_bodies(e, 1, 1, 1); }
+
 static void no_memory_is_an_error(void **state) {
   (void)state;
-  for (long k = 0, failures = 0;; k++, failures++) {
-    test_engine e;
-    add_bodies(&e, 1, 1, 1);
-    e.options.allocations = k + 1;
-    hk_status status = open_run(&e);
-    test_engine_close(&e);
-    if (status == HK_OK) {
-      assert_true(failures >= 20);
-      break;
-    }
-    assert_int_equal(status, HK_NO_MEMORY);
-  }
+  assert_no_memory_is_an_error(open_gas);
 }
 
 int main(void) {

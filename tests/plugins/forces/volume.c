@@ -1,74 +1,19 @@
 /* Octahedra, surfaces of several pieces and tetrahedra against closed forms, their energy and differences of
  * themselves; surfaces that are open or lose a particle; what is too large for implicit steps; no memory. */
-#include "tests/support/force_check.h"
+#include "tests/plugins/forces/closed_surfaces.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-enum { PIECES = 2, N = 6 * PIECES, SIZE = 3 * N, FACES = 8 };
-
-static uint64_t bits = 1;
-
-/* -1 to 1. */
-static double noise(void) {
-  bits = bits * 6364136223846793005u + 1442695040888963407u;
-  return (double)(bits >> 11) * 0x1p-52 - 1;
-}
-
-static hk_status open_run(test_engine *e) { return hk_run_open(e->scene, &e->options, &e->run, &e->error); }
-
-/* The octahedron |x| + |y| + |z| = 1: corners -x, x, -y, y, -z, z; its volume is 4/3. */
-static void octahedron(uint32_t first, uint32_t face[FACES][3]) {
-  for (uint32_t k = 0; k < FACES; k++) {
-    uint32_t x = k & 1, y = 2 + (k >> 1 & 1), z = 4 + (k >> 2);
-    bool turned = (x + y + z) % 2 == 0;
-    face[k][0] = first + x, face[k][1] = first + (turned ? z : y), face[k][2] = first + (turned ? y : z);
-  }
-}
-
-/* Two of them, at 0 and at (5, 0, 0), the second twice as large. */
 static hk_plugin_spec *add_bodies(test_engine *e) {
-  uint32_t face[PIECES * FACES][3];
-  test_engine_open(e);
-  for (uint32_t p = 0; p < PIECES; p++) {
-    for (int k = 0; k < 6; k++) {
-      double at[3] = {0};
-      at[k / 2] = (k % 2 ? 1 : -1) * (1.0 + p);
-      test_particle(e, 5 * p + at[0], at[1], at[2], 1 + 0.1 * k);
-    }
-    octahedron(6 * p + 1, face + FACES * p);
-  }
-  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "volume");
-  test_tuples(e, spec, "triangles", 3, face[0], PIECES * FACES);
+  hk_plugin_spec *spec = add_octahedra(e, "volume");
   test_number(e, spec, "k", 3);
-  e->options.dt = 1e-3;
   return spec;
 }
-
-typedef struct bodies {
-  test_engine e;
-  hk_instance *volume;
-  hk_view view;
-  double x[SIZE], v[SIZE];
-} bodies;
 
 static void open_bodies(bodies *b, double damping, double inflation) {
   hk_plugin_spec *spec = add_bodies(&b->e);
   test_number(&b->e, spec, "damping", damping);
   test_number(&b->e, spec, "inflation", inflation);
-  test_run(&b->e);
-  b->volume = test_instance(&b->e, spec);
-  b->view = force_view(&b->e, b->volume);
-  memcpy(b->x, b->view.x, sizeof b->x);
-  memset(b->v, 0, sizeof b->v);
-  b->view.x = b->x, b->view.v = b->v;
+  run_bodies(b, spec);
 }
-
-static double energy_of(const bodies *b) { return b->volume->plugin->force->energy(b->volume->self, &b->view); }
 
 /* The first one drawn out to s times its length has s V_0, of which inflation V_0 would be at rest: a pressure p, which
  * pushes each corner with p over the area that it sees along its axis, 2/3 of V_0 per length across. */
@@ -76,10 +21,10 @@ static void an_octahedron_by_hand(void **state) {
   (void)state;
   for (double s = 0.5; s < 3; s += 0.5) {
     bodies b;
-    double F[SIZE], k = 3, V = 4.0 / 3, rest = 1.2 * V, p = -k * (s * V - rest) / rest;
+    double F[SIZE], k = 3, V = VOLUME, rest = 1.2 * V, p = -k * (s * V - rest) / rest;
     open_bodies(&b, 0, 1.2);
     for (int i = 0; i < 6; i++) b.x[3 * i + 2] *= s;
-    force_evaluate(b.volume, &b.view, F);
+    force_evaluate(b.force, &b.view, F);
     double second = k / 2 * 0.2 * 0.2 / 1.2 * 8 * V; /* of the other one, at its initial volume 8 V */
     assert_true(fabs(energy_of(&b) - second - k / 2 * pow(s * V - rest, 2) / rest) < 1e-14 * k);
     for (int i = 0; i < 6; i++)
@@ -98,13 +43,13 @@ static void derivatives_are_those_of_the_energy(void **state) {
     bodies b;
     open_bodies(&b, 0, k == 0 ? 1 : 2.5);
     for (int q = 0; q < SIZE; q++) b.x[q] += 0.3 * noise(), b.v[q] = noise();
-    assert_true(force_gradient_error(b.volume, &b.view) < FORCE_DIFFERENCES);
-    assert_true(force_stiffness_error(b.volume, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_gradient_error(b.force, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_stiffness_error(b.force, &b.view) < FORCE_DIFFERENCES);
     test_engine_close(&b.e);
     open_bodies(&b, 0.7, 2.5);
     for (int q = 0; q < SIZE; q++) b.x[q] += 0.3 * noise(), b.v[q] = noise();
-    assert_true(force_stiffness_error(b.volume, &b.view) < FORCE_DIFFERENCES);
-    assert_true(force_damping_error(b.volume, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_stiffness_error(b.force, &b.view) < FORCE_DIFFERENCES);
+    assert_true(force_damping_error(b.force, &b.view) < FORCE_DIFFERENCES);
     test_engine_close(&b.e);
   }
 }
@@ -113,31 +58,20 @@ static void derivatives_are_those_of_the_energy(void **state) {
 static void damping_takes_the_rate_of_the_volume(void **state) {
   (void)state;
   bodies b;
-  double F[SIZE], u = 0.3, c = 0.7, V = 4.0 / 3;
+  double F[SIZE], u = 0.3, c = 0.7, V = VOLUME;
   open_bodies(&b, c, 1);
   for (int i = 0; i < N; i++) b.v[3 * i + i % 6 / 2] = (i % 2 ? u : -u) * (i < 6 ? 1 : 0.25);
-  double power = force_evaluate(b.volume, &b.view, F);
+  double power = force_evaluate(b.force, &b.view, F);
   assert_true(fabs(power + c * 16 * u * u * (1 / V + 1 / (8 * V))) < 1e-14);
   test_engine_close(&b.e);
 }
 
-/* Dead is a corner of the first body: it is open, and the other one goes on as before. */
 static void a_punctured_body_loses_its_pressure(void **state) {
   (void)state;
   bodies b;
-  double F[SIZE], G[SIZE];
   open_bodies(&b, 0.1, 2);
   for (int q = 0; q < SIZE; q++) b.x[q] += 0.1 * noise(), b.v[q] = noise();
-  force_evaluate(b.volume, &b.view, F);
-  uint32_t map[N], id[N];
-  for (uint32_t i = 0; i < N; i++) map[i] = i == 2 ? UINT32_MAX : i - (i > 2), id[i] = i + 1 + (i > 1);
-  memmove(b.x + 6, b.x + 9, (SIZE - 9) * sizeof *b.x), memmove(b.v + 6, b.v + 9, (SIZE - 9) * sizeof *b.v);
-  hk_model model = *b.view.model;
-  model.id = id, model.n = b.view.n = b.view.acting = N - 1, b.view.model = &model;
-  assert_int_equal(hk_instance_remap(b.volume, map, N, &b.view, 6 * N - 5, &b.e.error), HK_OK);
-  force_evaluate(b.volume, &b.view, G);
-  for (int q = 0; q < 3 * 5; q++) assert_true(G[q] == 0);
-  for (int q = 3 * 5; q < SIZE - 3; q++) assert_true(G[q] == F[q + 3] && F[q + 3] != 0);
+  assert_open_without_a_corner(&b);
   test_engine_close(&b.e);
 }
 
@@ -194,50 +128,23 @@ static void what_encloses_nothing_is_refused(void **state) {
   refused(NULL, 0, 1, "give triangles, closed surfaces, or tetrahedra");
 }
 
-/* A bipyramid of 600 corners: explicit steps go, implicit ones are refused with the way out. */
+/* Explicit steps go, implicit ones are refused with the way out. */
 static void what_is_too_large_for_blocks_is_said(void **state) {
   (void)state;
-  enum { RING = 600 };
   for (int implicit = 0; implicit < 2; implicit++) {
     test_engine e;
-    uint32_t(*face)[3] = malloc(2 * RING * sizeof *face);
-    test_engine_open(&e);
-    for (int k = 0; k < RING; k++) test_particle(&e, cos(k * 6.28 / RING), sin(k * 6.28 / RING), 0, 1);
-    test_particle(&e, 0, 0, 1, 1), test_particle(&e, 0, 0, -1, 1);
-    for (uint32_t k = 0; k < RING; k++) {
-      uint32_t next = (k + 1) % RING + 1;
-      memcpy(face[2 * k], (uint32_t[]){k + 1, next, RING + 1}, sizeof *face);
-      memcpy(face[2 * k + 1], (uint32_t[]){next, k + 1, RING + 2}, sizeof *face);
-    }
-    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "volume");
-    test_tuples(&e, spec, "triangles", 3, face[0], 2 * RING);
+    hk_plugin_spec *spec = add_bipyramid(&e, "volume");
     test_number(&e, spec, "k", 1);
     test_number(&e, spec, "inflation", 1.1);
-    test_plugin(&e, HK_INTEGRATOR, implicit ? "backward_euler" : "leapfrog");
-    e.options.dt = 1e-3;
-    test_run(&e);
-    hk_status status = hk_run_advance(e.run, 2e-3, &e.error);
-    assert_int_equal(status, implicit ? HK_BAD_PARAM : HK_OK);
-    if (implicit) assert_non_null(strstr(e.error.text, "a surface of 602 particles couples all of them"));
-    free(face);
-    test_engine_close(&e);
+    assert_steps(&e, implicit, implicit ? "a surface of 602 particles couples all of them" : NULL);
   }
 }
 
+static void open_volumes(test_engine *e) { add_bodies(e); }
+
 static void no_memory_is_an_error(void **state) {
   (void)state;
-  for (long k = 0, failures = 0;; k++, failures++) {
-    test_engine e;
-    add_bodies(&e);
-    e.options.allocations = k + 1;
-    hk_status status = open_run(&e);
-    test_engine_close(&e);
-    if (status == HK_OK) {
-      assert_true(failures >= 20);
-      break;
-    }
-    assert_int_equal(status, HK_NO_MEMORY);
-  }
+  assert_no_memory_is_an_error(open_volumes);
 }
 
 int main(void) {
