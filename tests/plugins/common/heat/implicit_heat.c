@@ -2,6 +2,7 @@
  * gets, and none becomes warmer than the warmest. */
 #include "plugins/common/heat/implicit_heat.h"
 #include "tests/support/engine.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,16 +17,6 @@ enum { SIDE = 12, CELLS = SIDE * SIDE };
 static const hk_heat_law wax = {319, 329, 2e5, {2000, 2200}, {0.24, 0.15}},
                          ice = {273.15, 273.15, 333600, {2100, 4220}, {2.16, 0.561}},
                          plain = {NAN, NAN, NAN, {500, 500}, {3, 3}};
-
-static void *allocate(const hk_host *host, size_t bytes) {
-  (void)host;
-  return calloc(1, bytes + 1);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
 
 static hk_status failed(const hk_host *host, hk_status status, const char *format, ...) {
   (void)host;
@@ -65,7 +56,8 @@ static void lay(hk_implicit_heat *s, const hk_heat_law *law, unsigned seed) {
 
 static void equations_hold_for_any_step(void **state) {
   (void)state;
-  const hk_host host = {.allocate = allocate, .release = release, .fail = failed, .parallel_for = in_one_piece};
+  const hk_host host = {
+      .allocate = test_allocate, .release = test_release, .fail = failed, .parallel_for = in_one_piece};
   const hk_heat_law *law[] = {&wax, &ice, &plain};
   hk_implicit_heat s = {0};
   assert_int_equal(hk_implicit_heat_open(&s, &host, CELLS), HK_OK);
@@ -95,7 +87,8 @@ static void equations_hold_for_any_step(void **state) {
 /* One cell at a wall: all of M (h - h0) = tau (g (theta_w - theta) + q), by hand. */
 static void walls_and_sources_give(void **state) {
   (void)state;
-  const hk_host host = {.allocate = allocate, .release = release, .fail = failed, .parallel_for = in_one_piece};
+  const hk_host host = {
+      .allocate = test_allocate, .release = test_release, .fail = failed, .parallel_for = in_one_piece};
   hk_implicit_heat s = {0};
   assert_int_equal(hk_implicit_heat_open(&s, &host, 1), HK_OK);
   s.rows = 1, s.law = &plain, s.tau = 10;

@@ -2,6 +2,7 @@
  * tree was fitted, and after it was built anew. */
 #include "plugins/common/space/bvh.h"
 #include "core/engine/base/base.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,16 +10,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static void *allocate(const hk_host *host, size_t bytes) {
-  (void)host;
-  return calloc(1, bytes);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
 
 static hk_status fail_with(const hk_host *host, hk_status status, const char *format, ...) {
   (void)host, (void)format;
@@ -33,7 +24,8 @@ static void parallel_for(const hk_host *h, size_t count, size_t grain, void (*bo
     body(context, chunk * grain, count < (chunk + 1) * grain ? count : (chunk + 1) * grain, chunk);
 }
 
-static const hk_host host = {.allocate = allocate, .release = release, .fail = fail_with, .parallel_for = parallel_for};
+static const hk_host host = {
+    .allocate = test_allocate, .release = test_release, .fail = fail_with, .parallel_for = parallel_for};
 
 enum { MOST = 3000 };
 static hk_box box[MOST];

@@ -2,6 +2,7 @@
  * drawn 10 pixels large per metre. */
 #include "plugins/common/sprites/depth_order.h"
 #include "plugins/common/sprites/sprites.h"
+#include "tests/support/plain_host.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -23,11 +24,6 @@ static void *allocate(const hk_host *host, size_t bytes) {
   return calloc(1, bytes + 1);
 }
 
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
-
 static hk_status fail_(const hk_host *host, hk_status status, const char *format, ...) {
   (void)host, (void)format;
   return status;
@@ -42,7 +38,7 @@ static void backwards(const hk_host *host, size_t count, size_t grain, void (*bo
     body(context, k * grain, (k + 1) * grain < count ? (k + 1) * grain : count, k);
 }
 
-static const hk_host host = {.fail = fail_, .allocate = allocate, .release = release, .parallel_for = backwards};
+static const hk_host host = {.fail = fail_, .allocate = allocate, .release = test_release, .parallel_for = backwards};
 
 static const hk_lens lens = {.view = {[0] = 1, [5] = 1, [10] = 1, [15] = 1}, .projection = {[0] = 1, [5] = 1}};
 

@@ -1,5 +1,6 @@
 /* Springs listed at random are put into runs, also where some are missing, and keep their numbers. */
 #include "plugins/kit/springs/edge_order.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,17 +10,7 @@
 
 enum { PLACES = 200, STEP = 71 /* no divisor in common with the counts below */ };
 
-static void *allocate(const hk_host *host, size_t bytes) {
-  (void)host;
-  return calloc(1, bytes);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
-
-static const hk_host host = {.allocate = allocate, .release = release};
+static const hk_host host = {.allocate = test_allocate, .release = test_release};
 
 /* Springs (i, i + 3) for i < PLACES but those with i % period == 0, in any order, any end first. */
 static size_t strew(size_t period, uint32_t pair[PLACES][2], double number[PLACES]) {

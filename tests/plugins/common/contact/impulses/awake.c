@@ -1,6 +1,7 @@
 /* Which impacts a move wakes: those of the particles that it has moved, later ones in this sweep, earlier ones in the
  * next; and none by what is pinned, or where there is nothing to move. */
 #include "plugins/common/contact/impulses/awake.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,22 +9,12 @@
 
 #include <cmocka.h>
 
-static void *allocate(const hk_host *host, size_t size) {
-  (void)host;
-  return calloc(1, size + 1);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
-
 static hk_status refuse(const hk_host *host, hk_status status, const char *format, ...) {
   (void)host, (void)format;
   return status;
 }
 
-static const hk_host host = {.allocate = allocate, .release = release, .fail = refuse};
+static const hk_host host = {.allocate = test_allocate, .release = test_release, .fail = refuse};
 static hk_awake awake;
 
 enum { PINNED = 0, N = 9, COUNT = 5 };

@@ -2,6 +2,7 @@
  * few sweeps, with the same answer, also in a step of another length and where the list has the pairs in another order
  * and with their features exchanged. */
 #include "plugins/common/contact/impulses/warm_start.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,17 +22,7 @@ static hk_status resize(const hk_host *host, hk_array *field, size_t count) {
   return field->item ? HK_OK : HK_NO_MEMORY;
 }
 
-static void *allocate(const hk_host *host, size_t size) {
-  (void)host;
-  return calloc(1, size + 1);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
-
-static const hk_host host = {.resize = resize, .allocate = allocate, .release = release};
+static const hk_host host = {.resize = resize, .allocate = test_allocate, .release = test_release};
 static hk_awake awake;
 
 typedef struct column {

@@ -4,6 +4,7 @@
 #include "core/engine/base/base.h"
 #include "plugins/common/contact/impulses/proximity.h"
 #include "plugins/common/contact/impulses/zones.h"
+#include "tests/support/plain_host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,17 +17,7 @@
 enum { N = 12 };
 static const double rounding = 1e-12;
 
-static void *allocate(const hk_host *host, size_t bytes) {
-  (void)host;
-  return calloc(1, bytes);
-}
-
-static void release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
-}
-
-static const hk_host host = {.allocate = allocate, .release = release};
+static const hk_host host = {.allocate = test_allocate, .release = test_release};
 
 typedef struct world {
   double mass[N], inverse_mass[N], x_from[3 * N], x[3 * N], v[3 * N];
