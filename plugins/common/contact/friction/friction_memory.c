@@ -242,7 +242,7 @@ hk_status hk_friction_remember(hk_friction *f, hk_barrier_contacts *c, const hk_
   status = c->host->resize(c->host, &f->sticks, count);
   if (status != HK_OK) return status;
   if (count) memcpy(f->sticks.item, next, count * sizeof *next);
-  return list_members(f, c->host, view->n);
+  return HK_OK;
 }
 
 /* ---- the start of a run, of a step, and its moves ---- */
@@ -286,6 +286,7 @@ hk_status hk_friction_recall(hk_friction *f, hk_barrier_contacts *c, const hk_vi
   hk_status status = starts ? note_start(f, c->host, from) : HK_OK;
   if (status == HK_OK) status = hk_reserve_array(c->host, &f->slips, c->found);
   if (status == HK_OK && starts) status = begin(f, c, from);
+  if (status == HK_OK) status = list_members(f, c->host, from->n);
   if (status == HK_OK) recall(f, c);
   return status;
 }
@@ -317,5 +318,5 @@ hk_status hk_friction_renumber(hk_friction *f, const hk_host *host, const hk_vie
   hk_status status = host->resize(host, &f->sticks, kept);
   if (status != HK_OK) return status;
   if (kept) qsort(f->sticks.item, kept, sizeof *stick, compare);
-  return list_members(f, host, view->n);
+  return status;
 }
