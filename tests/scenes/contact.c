@@ -96,6 +96,40 @@ static void what_has_landed_on_a_slope_rests(void **state) {
   assert_true(early > 0.05 + 1e-4 && fabs(late - early) < 0.2 * 1e-7);
 }
 
+static const char sled[] =
+    "local slip = param('slip', 2.5e-7)\n"
+    "local s = hooke.scene { duration = 0.3, fps = 60, integrator = 'bdf2' }\n"
+    "local card = s:grid { nx = 4, ny = 4, width = 0.1, height = 0.1, mass = 0.01, origin = { 0, 0, 0.00435 },\n"
+    "  u = { 1, 0, 0 }, v = { 0, 1, 0 } }\n"
+    "s:force('gravity', { only = card:ids() })\n"
+    "s:force('springs', { edges = card:structural() .. card:shear(), k = 50, damping = 0.05 })\n"
+    "local floor = s:mesh { vertices = { { -5, -5, 0 }, { 5, -5, 0 }, { 5, 5, 0 }, { -5, 5, 0 } },\n"
+    "  faces = { { 1, 2, 3 }, { 1, 3, 4 } }, mass = 1 }\n"
+    "s:pin(floor:ids(), { path = function(t) return 2 * math.max(t - 0.1, 0)^2, 0, 0 end })\n"
+    "s:force('barrier', { thickness = 0.004, friction = 0.2, d_hat = 5e-4, elastic_slip = slip })\n"
+    "return s\n";
+
+static double missed_with(const char *slip) {
+  char arguments[256];
+  snprintf(arguments, sizeof arguments, "run sled.lua slip=%s --json --quiet --no-output", slip);
+  test_hooke(&r, NULL, arguments);
+  return test_json(r.out, "friction_missed");
+}
+
+/* A floor at rest starts at 4 m/s^2, twice what friction of mu = 0.2 can give the card on it, which slides back by
+ * (4 - 0.2 g)/2 t^2 = 4.1 cm in 0.2 s. Friction that begins after 0.1 mm misses a part of 0.1 mm/4.1 cm, less what the
+ * first step covers of it: more than the thousandth that a run may miss. */
+static void friction_that_comes_late_is_not_ok(void **state) {
+  (void)state;
+  test_write("sled.lua", sled);
+  double at_once = missed_with("2.5e-7");
+  assert_int_equal(r.code, 0);
+  double late = missed_with("1e-4"), part = 1e-4 / ((4 - 0.2 * 9.81) / 2 * 0.04);
+  print_message("%.2g of its work missed, and %.2g\n", at_once, late);
+  assert_true(r.code == 5 && strstr(r.out, "friction_missed is") && strstr(r.out, "try a smaller elastic_slip"));
+  assert_true(at_once < 1e-3 && late > 0.5 * part && late < 1.1 * part);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_stack_is_as_high_as_its_sheets),
@@ -103,6 +137,7 @@ int main(void) {
       cmocka_unit_test(a_knot_falls_and_a_net_holds_it),
       cmocka_unit_test(a_stack_lands_by_the_barrier_in_few_iterations),
       cmocka_unit_test(what_has_landed_on_a_slope_rests),
+      cmocka_unit_test(friction_that_comes_late_is_not_ok),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
