@@ -1,7 +1,8 @@
 -- What a lesson shows is made when the handbook is built: "```lua NAME" is a scene, and "```file NAME" any other text, that is
--- written beside the page; "```run" are commands whose output follows them, "```diagram FILE" commands, if any, and the picture that
--- they write (without commands, one that lies beside the lesson's text), "```picture WORDS" what the output `frames` draws of a scene, with the text as its caption. A command that ends with
--- another code than 0 (ok) or 5 (inaccurate) is an error of the lesson.
+-- written beside the page; "```run" are commands whose output follows them, "```diagram FILE" commands, if any, and the picture
+-- that they write (a name without a folder: one that lies beside the lesson's text), "```picture WORDS" what the output `frames`
+-- draws of a scene, with the text as its caption. A command that ends with another code than 0 (ok) or 5 (inaccurate) is an error
+-- of the lesson.
 local files = require("common.run.file")
 local lfs = require("lfs")
 local markdown = require("common.handbook.markdown")
@@ -74,7 +75,7 @@ local function show_diagram(folder)
       run(folder, command)
       shown[#shown + 1] = markdown.escape(command)
     end
-    if #shown == 0 then assert(files.write(folder .. "/" .. path, read(hooke.library .. "/../handbook/" .. path))) end
+    if not path:find("/") then assert(files.write(folder .. "/" .. path, read(hooke.library .. "/../handbook/" .. path))) end
     local commands = #shown > 0 and "<pre>" .. table.concat(shown, "\n") .. "</pre>\n" or ""
     if not lfs.attributes(folder .. "/" .. path) then return commands end
     return commands .. figure(path, path:match("([^/]+)%.%w+$"), "")
