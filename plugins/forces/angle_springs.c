@@ -14,6 +14,7 @@
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
 #include "plugins/kit/springs/edge_stiffness.h"
+#include "plugins/kit/vector3.h"
 
 typedef struct angle_springs {
   hk_tuples edges, joints;
@@ -153,6 +154,67 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* ---- transposed ---- */
+
+enum { STIFFNESS = 3, DAMPING = 4, REST = 6, NORMAL = 8 }; /* rows of the table */
+
+/* Changes of the edges by u. */
+static void edges_of(const double *u, const uint32_t *node, double w[2][3]) {
+  for (int m = 0; m < 2; m++) hk_subtract(w[m], u + 3 * (size_t)node[m + 1], u + 3 * (size_t)node[m]);
+}
+
+static void add_ends(double *to, const uint32_t *node, const double by[2][3], double factor) {
+  for (int m = 0; m < 2; m++) {
+    hk_add_scaled(to + 3 * (size_t)node[m + 1], factor, by[m]);
+    hk_add_scaled(to + 3 * (size_t)node[m], -factor, by[m]);
+  }
+}
+
+/* Of u.F = -(k off + c rate) turn, turn = g.w the change of the angle by u; by: by k, c and the angle at rest. */
+static void add_transposed(const angle_springs *s, const hk_view *view, size_t k, const double *u,
+                           const hk_transposed *into, double by[3]) {
+  const hk_elements *a = &s->list.acting;
+  const uint32_t *node = hk_tuple(&a->node, k);
+  double stiffness = a->stiffness.value[k], c = a->damping.value[k], turn = 0, rate = 0;
+  double w[2][3], du[2][3], g[2][3], by_x[2][3] = {{0}};
+  hk_joint joint;
+  hk_joint_blocks K;
+  measure(s, view->x, k, &joint);
+  edges_of(u, node, w);
+  edges_of(view->v, node, du);
+  for (int m = 0; m < 2; m++) {
+    for (int d = 0; d < 3; d++) g[m][d] = joint.l[m] > 0 ? joint.across[m][d] / joint.l[m] : 0;
+    turn += hk_dot(g[m], w[m]);
+    rate += hk_dot(g[m], du[m]);
+  }
+  double off = hk_joint_off(joint.angle, hk_tuple_value(&a->rest, k));
+  hk_joint_stiffness(&joint, stiffness, stiffness * off + c * rate, K);
+  if (c != 0) hk_joint_turning(&joint, c, (const double(*)[3])du, K);
+  for (int b = 0; b < 4; b++)
+    for (int e = 0; e < 9; e++) by_x[b % 2][e % 3] -= K[b / 2][b % 2][e] * w[b / 2][e / 3];
+  add_ends(into->x, node, (const double(*)[3])by_x, 1);
+  add_ends(into->v, node, (const double(*)[3])g, -c * turn);
+  by[0] = -off * turn, by[1] = -rate * turn, by[2] = stiffness * turn;
+}
+
+static bool acts(const hk_view *view, const uint32_t *node) {
+  return !view->is_active || (view->is_active[node[0]] && view->is_active[node[1]] && view->is_active[node[2]]);
+}
+
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const angle_springs *s = self;
+  double by[3];
+  for (size_t e = 0, k = 0; e < s->joints.count; e++) {
+    if (!acts(view, hk_tuple(&s->joints, e))) continue;
+    add_transposed(s, view, k++, u, into, by);
+    if (!into->parameter) continue;
+    into->parameter[STIFFNESS][e] += by[0];
+    into->parameter[DAMPING][e] += by[1];
+    into->parameter[REST][e] += by[2];
+  }
+  return HK_OK;
+}
+
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const angle_springs *s = self;
   for (size_t e = 0; e < s->layout.count; e++) {
@@ -176,9 +238,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
-                        HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(
+        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .not_by = 1 << NORMAL),
+        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -164,6 +164,56 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* ---- transposed ---- */
+
+enum { CENTER, AXIS, STRENGTH, POWER, SOFTENING, RANGE }; /* rows of the table */
+
+/* Of u.F = -w g(s) h, h = u.r: by strength, power, softening and range. With e^2 = range^2 + softening^2 and q = 1 -
+ * s^2/e^2, g = s^(power - 1) q^2, dg/ds = s^(power - 2) ((power - 1) q^2 - 4 (1 - q) q) and dg/de = 4 s^(power - 1) q
+ * (1 - q)/e. */
+static void add_slopes(const central *p, const hk_view *view, size_t i, double h, double s2, const slope *d,
+                       const hk_transposed *into) {
+  double in = inside(p, s2), all = weight(p, view, i) * power_of(p, s2);
+  if (!(in > 0)) return;
+  double each = p->per == 0 ? view->model->mass[i] : 1, g = power_of(p, s2) * in * in;
+  into->parameter[STRENGTH][0] -= each * g * h;
+  if (p->per == 0) into->mass[i] -= p->strength * g * h;
+  if (s2 >= tiny) into->parameter[POWER][0] -= all * in * in * log(s2) / 2 * h;
+  double of_end = p->end2 < INFINITY ? 4 * all * in * (1 - in) / p->end2 : 0;
+  into->parameter[SOFTENING][0] -= ((s2 >= tiny ? d->second / s2 : 0) + of_end) * p->softening * h;
+  if (p->end2 < INFINITY) into->parameter[RANGE][0] -= of_end * p->range * h;
+}
+
+/* r = d - (d.a) a with d = x - center: each is a change of r. */
+static void add_places(const central *p, const double *x, const double by_r[3], const hk_transposed *into) {
+  const double *a = p->axis;
+  double d[3], ad = 0, aw = 0;
+  for (int c = 0; c < 3; c++) d[c] = x[c] - p->center[c], ad += a[c] * d[c], aw += a[c] * by_r[c];
+  for (int c = 0; c < 3; c++) {
+    into->parameter[CENTER][c] -= by_r[c] - aw * a[c];
+    into->parameter[AXIS][c] -= ad * by_r[c] + aw * d[c];
+  }
+}
+
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const central *p = self;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = hk_acting_particle(view, k);
+    const double *x = view->x + 3 * i, *w = u + 3 * i;
+    double r[3], by_r[3], s2 = offset(p, x, r), h = 0, aw = 0;
+    slope d = slope_of(p, view, i);
+    for (int c = 0; c < 3; c++) h += w[c] * r[c];
+    double root = s2 < tiny ? 1 : sqrt(s2);
+    for (int c = 0; c < 3; c++) by_r[c] = -(d.along * w[c] + d.second * h / root * d.unit[c]);
+    for (int c = 0; c < 3; c++) aw += p->axis[c] * by_r[c];
+    for (size_t c = 0; c < 3; c++) into->x[3 * i + c] += by_r[c] - aw * p->axis[c];
+    if (!into->parameter) continue;
+    add_slopes(p, view, i, h, s2, &d, into);
+    add_places(p, x, by_r, into);
+  }
+  return HK_OK;
+}
+
 /* The force on one particle as a function of r alone. */
 typedef struct law {
   const central *self;
@@ -214,7 +264,7 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ENCOUNTERS_FACET(.find = encounters)),
 };
 

@@ -124,6 +124,12 @@ static hk_status accepted(void *self, const hk_view *view, double step) {
   return HK_OK;
 }
 
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const hinges *h = self;
+  hk_bending_transposed(&h->bending, view, &h->given, u, into, true);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -131,10 +137,11 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = hk_bending_energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = jacobian, .transposed = transposed,
+                                          .of_start = true),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
                         HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts),
-                        HK_STEPS_FACET(.accepted = accepted)),
+                        HK_STEPS_FACET(.accepted = accepted, .keeps_branch = true)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -77,6 +77,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+enum { STIFFNESS = 2, WARP = 7, REST = 9 }; /* rows of the table; from the first on five have derivatives */
+
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const membrane *m = self;
+  hk_membrane_transposed(&m->sheet, view, &m->given, u, into, into->parameter ? into->parameter + STIFFNESS : NULL);
+  return HK_OK;
+}
+
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   hk_membrane_bound(self, view, part, block);
 }
@@ -88,7 +96,8 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed,
+                                          .not_by = 1 << WARP | 1 << REST, .of_start = true),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
                         HK_PARTS_FACET(.touch = parts)),
 };

@@ -68,6 +68,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+enum { MODULUS = 1 }; /* row of the table, before nu and damping */
+
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const neo_hookean *s = self;
+  hk_solid_transposed(&s->body, view, &s->given, u, into, into->parameter ? into->parameter + MODULUS : NULL);
+  return HK_OK;
+}
+
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   hk_solid_stiffness_bound(&((neo_hookean *)self)->body, view, part, block);
 }
@@ -79,9 +87,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
-                        HK_ELEMENTS_FACET(.lists = HK_SOLID_LISTS, .list = elements), HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(
+        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .of_start = true),
+        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
+        HK_ELEMENTS_FACET(.lists = HK_SOLID_LISTS, .list = elements), HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

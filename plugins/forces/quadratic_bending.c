@@ -62,6 +62,12 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? weigh(b, host) : status;
 }
 
+static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
+  const quadratic_bending *b = self;
+  hk_bending_transposed(&b->bending, view, &b->given, u, into, false);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -69,7 +75,8 @@ static const hk_force force = {
     .add = hk_bending_add,
     .add_part = hk_bending_add_part,
     .energy = hk_bending_energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = hk_bending_jacobian),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = hk_bending_jacobian,
+                                          .transposed = transposed, .of_start = true),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
                         HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts)),
 };

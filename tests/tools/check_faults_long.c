@@ -3,7 +3,7 @@
 
 static void faults_of_forces_and_explicit_methods_are_named(void **state) {
   (void)state;
-  right_and_wrong_of("force", 59, long_step());
+  right_and_wrong_of("force", 62, long_step());
   right_and_wrong_of("integrator", 42, long_step());
 }
 

@@ -4,6 +4,7 @@
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 package.path = ("%s/tools/?.lua;"):format(root) .. package.path
 local fitting = require("common.fit.fitting")
+local least_squares = require("common.fit.least_squares")
 local linear = require("common.fit.linear")
 local statistics = require("common.fit.statistics")
 
@@ -121,3 +122,31 @@ local starts = fitting.starts(3, { 0, 1 }, { 1, 1e4 })
 near("half", starts[1][1], 0.5, 1e-15)
 near("a third of the logarithm", starts[1][2], 1e4 ^ (1 / 3), 1e-9)
 near("a quarter", starts[2][1], 0.25, 1e-15)
+
+-- ---- how many runs a fit takes ----
+
+-- A sag that falls with the stiffness, from 15 % and from a factor of two off: a run at the start, two for the first
+-- difference, then one an iteration, which the secant needs, to 1e-6. By four parameters the differences of every iteration
+-- would take 8 runs each: 83 in all, with updates 53.
+local function runs_of(y, start, truth, times)
+  local counted, wanted = 0, {}
+  for k = 1, times do wanted[k] = y(3 * k / times, truth) end
+  local problem = { start = start, low = {}, high = {}, scale = {}, difference = 1e-5, tolerance = 1e-6, most = 60 }
+  for j = 1, #start do problem.low[j], problem.high[j], problem.scale[j] = -math.huge, math.huge, 1e-3 * start[j] end
+  function problem.evaluate(points)
+    local list = {}
+    for k, p in ipairs(points) do
+      counted, list[k] = counted + 1, {}
+      for i = 1, times do list[k][i] = y(3 * i / times, p) - wanted[i] end
+    end
+    return list, {}
+  end
+  local state = assert(least_squares.solve(problem))
+  for j, wish in ipairs(truth) do near("parameter", state.p[j] / wish, 1, 1e-6) end
+  return counted
+end
+local function sag(_, p) return -1 / p[1] ^ 0.7 end
+assert(runs_of(sag, { 1.15 }, { 1 }, 1) <= 9)
+assert(runs_of(sag, { 2 }, { 1 }, 1) <= 13)
+local function decay(time, p) return p[1] * math.exp(-p[2] * time) + p[3] * math.exp(-p[4] * time) end
+assert(runs_of(decay, { 1, 1, 2, 4 }, { 1.5, 0.7, 1, 3 }, 40) <= 60)

@@ -48,6 +48,7 @@ static void set_force(lua_State *L, const hk_plugin *plugin) {
   hk_tool_set_flag(L, "stiffer_blocks", f->flags & HK_STIFFER_BLOCKS);
   hk_tool_set_flag(L, "energy", f->energy != NULL);
   hk_tool_set_flag(L, "jacobian", hk_force_of(plugin)->implicit.jacobian != NULL);
+  hk_tool_set_flag(L, "transposed", hk_force_of(plugin)->implicit.transposed != NULL);
 }
 
 static void set_method(lua_State *L, const hk_integrator *m) {

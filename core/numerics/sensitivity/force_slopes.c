@@ -10,6 +10,8 @@ static const hk_instance *force_at(const hk_dynamics *d, size_t k) { return d->p
 
 static bool is_tuples(hk_type type) { return type == HK_EDGES || type == HK_TRIANGLES || type == HK_TETRAHEDRA; }
 
+static bool is_number(hk_type type) { return type == HK_NUMBER || type == HK_VECTOR || type == HK_PER_TUPLE; }
+
 /* How many derivatives a row has. */
 static size_t numbers_of(const hk_instance *force, const hk_param *p) {
   switch (hk_param_type(p)) {
@@ -17,8 +19,10 @@ static size_t numbers_of(const hk_instance *force, const hk_param *p) {
     return 1;
   case HK_VECTOR:
     return 3;
-  case HK_PER_TUPLE:
-    return ((const hk_tuples *)hk_param_in(hk_param_list(force->plugin, p->list), force->self))->count;
+  case HK_PER_TUPLE: {
+    size_t count = ((const hk_tuples *)hk_param_in(hk_param_list(force->plugin, p->list), force->self))->count;
+    return count > 0 ? count : 1;
+  }
   default:
     return 0;
   }
@@ -82,10 +86,28 @@ static bool same_tuples(const hk_tuples *a, const hk_tuples *b) {
          memcmp(a->index, b->index, a->count * a->arity * sizeof *a->index) == 0;
 }
 
+static bool same_list(const double *a, size_t count, const double *b, size_t other) {
+  return count == other && (count == 0 || memcmp(a, b, count * sizeof *a) == 0);
+}
+
+/* Numbers by which the force gives no derivative. */
+static bool same_numbers(const hk_param *p, const void *a, const void *b) {
+  if (hk_param_type(p) == HK_PER_TUPLE) {
+    const hk_per_tuple *x = hk_param_in(p, a), *y = hk_param_in(p, b);
+    return same_list(x->value, x->count, y->value, y->count);
+  }
+  size_t count = hk_param_type(p) == HK_VECTOR ? 3 : 1;
+  return same_list(hk_param_in(p, a), count, hk_param_in(p, b), count);
+}
+
 /* A row that is no number has the same value in both. */
 static bool same_row(const hk_param *p, const void *a, const void *b) {
   hk_type type = hk_param_type(p);
-  if (type == HK_NUMBER || type == HK_VECTOR || type == HK_PER_TUPLE) return true;
+  if (is_number(type)) return true;
+  if (type == HK_NUMBERS) {
+    const hk_numbers *x = hk_param_in(p, a), *y = hk_param_in(p, b);
+    return same_list(x->value, x->count, y->value, y->count);
+  }
   if (is_tuples(type)) return same_tuples(hk_param_in(p, a), hk_param_in(p, b));
   if (type == HK_CHOICE) return *(int *)hk_param_in(p, a) == *(int *)hk_param_in(p, b);
   if (type == HK_INTEGER) return *(int64_t *)hk_param_in(p, a) == *(int64_t *)hk_param_in(p, b);
@@ -98,23 +120,41 @@ static bool same_selection(const hk_instance *a, const hk_instance *b, size_t n)
   return !a->is_active || memcmp(a->is_active, b->is_active, n * sizeof *a->is_active) == 0;
 }
 
+static bool same_rows(const hk_instance *a, const hk_instance *b) {
+  uint64_t not_by = hk_force_of(a->plugin)->implicit.not_by;
+  const hk_param *params = a->plugin->params;
+  for (size_t r = 0; params && params[r].name; r++) {
+    bool none = r < 64 && not_by >> r & 1 && is_number(hk_param_type(&params[r]));
+    if (!(none ? same_numbers : same_row)(&params[r], a->self, b->self)) return false;
+  }
+  return true;
+}
+
 static bool same_force(const hk_dynamics *d, const hk_dynamics *e, size_t k, bool covered) {
   const hk_instance *a = force_at(d, k), *b = force_at(e, k);
   if (strcmp(a->plugin->name, b->plugin->name) != 0) return false;
   if (!covered) return true;
   if (d->force_acts[k] != e->force_acts[k] || b->spec->timed_count > 0) return false;
   if (!same_selection(a, b, d->state->model.n)) return false;
-  for (const hk_param *p = a->plugin->params; p && p->name; p++)
-    if (!same_row(p, a->self, b->self)) return false;
-  return true;
+  return same_rows(a, b);
 }
 
 static bool same_scene(const hk_force_slopes *s, const hk_dynamics *d, const hk_dynamics *e) {
   const hk_model *a = &d->state->model, *b = &e->state->model;
+  if (!same_tuples(&a->triangles, &b->triangles)) return false;
   if (d->split.forces != e->split.forces || memcmp(a->pin, b->pin, a->n * sizeof *a->pin) != 0) return false;
   for (size_t k = 0; k < d->split.forces; k++)
     if (!same_force(d, e, k, s->covers[k])) return false;
   return true;
+}
+
+/* Shapes at rest are those of the start: both scenes stand there. */
+static bool same_shapes(const hk_force_slopes *s, const hk_dynamics *d, const hk_varied *by) {
+  bool any = false;
+  for (size_t k = 0; k < d->split.forces; k++)
+    any |= s->covers[k] && hk_force_of(force_at(d, k)->plugin)->implicit.of_start;
+  const double *more = by->more->state->X, *less = by->less->state->X;
+  return !any || memcmp(more, less, 3 * d->state->model.n * sizeof *more) == 0;
 }
 
 static bool same_masses(const hk_varied *by) {
@@ -161,6 +201,7 @@ static double by_forces(const hk_force_slopes *s, const hk_dynamics *d, const hk
 /* A function of time has no derivative by a number that holds all the time: it is found at each time instead. */
 bool hk_force_slopes_fit(const hk_force_slopes *s, const hk_dynamics *d, const hk_varied *by) {
   if (!s->any || !same_scene(s, d, by->more) || !same_scene(s, d, by->less)) return false;
+  if (!same_shapes(s, d, by)) return false;
   if (!same_masses(by) && (!s->all || by->knots)) return false;
   double size = by_forces(s, d, by, true);
   return by->knots ? size == 0 : size >= 0;

@@ -51,7 +51,7 @@ static hk_status refuse_force(const hk_instance *force, double t, hk_error *erro
         "force '%s' is contact, whose begin and end are not differentiated: leave it out (--without), or "
         "compare whole runs (hooke sweep)",
         force->label);
-  if (f->steps.accepted || f->internal.evolve)
+  if ((f->steps.accepted && !f->steps.keeps_branch) || f->internal.evolve)
     return hk_error_set(error, HK_FAILED,
                         "force '%s' remembers what happened, which is not differentiated: compare whole runs (hooke "
                         "sweep)",

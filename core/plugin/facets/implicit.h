@@ -47,8 +47,8 @@ typedef struct hk_blocks {
 typedef struct hk_transposed {
   double *x, *v; /* n x 3: (dF/dx)^T u and (dF/dv)^T u */
   /* NULL: not wanted. Otherwise one list for each row of hk_plugin.params: the derivative by that number, by the three
-   * of a vector, or by that of each tuple, also where one number stands for all of them; NULL for rows of other kinds.
-   */
+   * of a vector, or by that of each tuple, also where one number stands for all of them; where the list of tuples is
+   * left out, and the scene's stand for it, by the one number of all. NULL for rows of other kinds. */
   double *const *parameter;
   double *mass; /* n; NULL where `parameter` is */
 } hk_transposed;
@@ -61,9 +61,14 @@ typedef struct hk_implicit_facet {
   void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into);
   /* For adjoints, in about the time of `add`: exact, whatever `jacobian` leaves out. A force that has it depends on
-   * x, v and t, on masses, and on what its parameters are after `create`, and on nothing else. NULL: the host takes
-   * the blocks, and derivatives by parameters by differences. */
+   * x, v and t, on masses, on what its parameters are after `create`, and on the scene's triangles, and on nothing else
+   * that changes a derivative. NULL: the host takes the blocks, and derivatives by parameters by differences. */
   hk_status (*transposed)(void *self, const hk_view *view, const double *u, const hk_transposed *into);
+  /* Of `transposed`: bit r is set where it gives no derivative by row r of hk_plugin.params, though that has numbers;
+   * and whether F depends on the positions at `create` beside, as by a shape at rest that is no parameter. What changes
+   * either is compared between runs. */
+  uint64_t not_by;
+  bool of_start;
 } hk_implicit_facet;
 
 #endif

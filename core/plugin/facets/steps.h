@@ -19,6 +19,10 @@ typedef struct hk_steps_facet {
   /* Called after an accepted step of h s that ended at `view`: updates data that change once per step (lagged
    * friction). What dissipates energy then is of facets/internal.h. May be NULL. */
   hk_status (*accepted)(void *self, const hk_view *view, double h);
+  /* What `accepted` keeps says on which branch of a function of the state the force is, as of an angle that is counted
+   * on through whole turns, and nothing else: what an earlier or later step has left gives the same force as long as no
+   * branch is left. Such a force is differentiated as if it kept nothing. */
+  bool keeps_branch;
 } hk_steps_facet;
 
 #endif

@@ -22,5 +22,12 @@ double hk_element_force_energy(const hk_element_force *, const hk_view *view);
  * force can follow one another. */
 void hk_element_force_pattern(const hk_element_force *, hk_pattern *pattern);
 void hk_element_force_jacobian(const hk_element_force *, const hk_view *view, const hk_blocks *into, size_t *next);
+/* (dF/dx)^T u and (dF/dv)^T u of element k, as facets/implicit.h has them; to *k and *c, NULL: not wanted, are added
+ * the derivatives of u.F by its stiffness and its damping, and to *rest that by a number that C is less. */
+typedef struct hk_element_slopes {
+  double *k, *c, *rest;
+} hk_element_slopes;
+void hk_element_force_transposed(const hk_element_force *, const hk_view *view, size_t k, const double *u,
+                                 const hk_transposed *into, const hk_element_slopes *slopes);
 
 #endif

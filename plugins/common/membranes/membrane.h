@@ -47,6 +47,7 @@ typedef struct hk_membrane {
   size_t count;    /* triangles at the start of the run */
   uint32_t (*id)[3];
   hk_membrane_triangle *triangle; /* of the start */
+  uint32_t *listed, *number;      /* as the list has them: of the start, and of `node` */
   hk_tuples node;                 /* of the triangles whose corners all act */
   double *row[HK_MEMBRANE_ROWS];
   hk_part_sums sums;
@@ -80,6 +81,11 @@ void hk_membrane_conditions(const void *self, const double *x, size_t begin, siz
 /* membrane_blocks.c: -dF/dx and -dF/dv, nine blocks a triangle. */
 void hk_membrane_pattern(const hk_membrane *, hk_pattern *pattern);
 void hk_membrane_blocks(const hk_membrane *, const hk_view *view, const hk_blocks *into);
+
+/* membrane_transposed.c: as hk_implicit_facet.transposed; row: the derivatives by the parameters from `stiffness` to
+ * `damping`, NULL: not wanted. */
+void hk_membrane_transposed(const hk_membrane *, const hk_view *view, const hk_membrane_params *given, const double *u,
+                            const hk_transposed *into, double *const row[5]);
 
 /* membrane_bound.c: as hk_force.stiffness_bound. */
 void hk_membrane_bound(const hk_membrane *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);

@@ -129,7 +129,7 @@ static hk_status measure(hk_membrane *m, const hk_view *view, const hk_membrane_
   m->triangle[m->count] = (hk_membrane_triangle){{r.s[3] / det, -r.s[2] / det, -r.s[1] / det, r.s[0] / det},
                                                  {e.c11 * area, e.c22 * area, e.c12 * area, e.c66 * area}};
   for (int c = 0; c < 3; c++) m->id[m->count][c] = view->model->id[corner[c]];
-  m->count++;
+  m->listed[m->count++] = (uint32_t)t;
   return HK_OK;
 }
 
@@ -139,13 +139,15 @@ static hk_status reserve(hk_membrane *m, const hk_host *host, size_t count) {
   size_t n = count + 1;
   m->id = host->allocate(host, n * sizeof *m->id);
   m->triangle = host->allocate(host, n * sizeof *m->triangle);
+  m->listed = host->allocate(host, n * sizeof *m->listed);
+  m->number = host->allocate(host, n * sizeof *m->number);
   m->node = (hk_tuples){0, 3, host->allocate(host, n * sizeof *m->id)};
   m->energy = host->allocate(host, (n / HK_MEMBRANE_GRAIN + 2) * sizeof *m->energy);
   double *rows = host->allocate(host, HK_MEMBRANE_ROWS * n * sizeof *rows);
   m->creep = host->allocate(host, n * sizeof *m->creep);
   m->one = 1;
   for (size_t r = 0; rows && r < HK_MEMBRANE_ROWS; r++) m->row[r] = rows + r * n;
-  if (m->id && m->triangle && m->node.index && m->energy && m->creep && rows) return HK_OK;
+  if (m->id && m->triangle && m->listed && m->number && m->node.index && m->energy && m->creep && rows) return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu triangles", count);
 }
 
@@ -181,6 +183,7 @@ hk_status hk_membrane_topology(hk_membrane *m, const hk_view *view) {
     }
     for (size_t r = 0; r < HK_MEMBRANE_ROWS; r++) m->row[r][kept] = number[r];
     m->creep[kept] = m->damping * number[HK_C11];
+    m->number[kept] = m->listed[k];
     kept += alive;
   }
   m->node.count = kept;

@@ -37,12 +37,14 @@ static hk_status reserve(hk_bending *b, const hk_host *host) {
   hk_elements *a = &b->element.acting;
   b->stiffness = host->allocate(host, n * sizeof *b->stiffness);
   b->damping = host->allocate(host, n * sizeof *b->damping);
+  b->per_rigidity = host->allocate(host, n * sizeof *b->per_rigidity);
   b->shape = host->allocate(host, n * sizeof *b->shape);
   b->number = host->allocate(host, n * sizeof *b->number);
   a->node = (hk_tuples){0, 4, host->allocate(host, n * sizeof *b->id)};
   a->stiffness.value = host->allocate(host, n * sizeof(double));
   a->damping.value = host->allocate(host, n * sizeof(double));
-  if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value)
+  if (b->stiffness && b->damping && b->per_rigidity && b->shape && b->number && a->node.index && a->stiffness.value &&
+      a->damping.value)
     return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->count);
 }
@@ -76,6 +78,7 @@ static double stiffness_of(const hk_hinge_shape *s, int t) {
 static bool measure(hk_bending *b, const hk_view *view, const hk_bending_params *given, size_t k) {
   hk_hinge_shape s = b->shape[k] = hk_hinge_shape_of(view->x, b->id[k]);
   double least = fmin(s.area[0], s.area[1]), factor = 2 / (1 / stiffness_of(&s, 0) + 1 / stiffness_of(&s, 1));
+  b->per_rigidity[k] = factor;
   b->stiffness[k] = hk_tuple_value(&given->rigidity, k) * factor;
   b->damping[k] = given->damping.count ? hk_tuple_value(&given->damping, k) * factor : 0;
   return least > FLAT * s.length * s.length / 2;

@@ -33,6 +33,7 @@ typedef struct hk_bending {
   uint32_t (*id)[4];           /* of their members */
   double *stiffness, *damping; /* J and J s per square of the angle */
   hk_hinge_shape *shape;       /* at rest: of the start */
+  double *per_rigidity;        /* stiffness of a rigidity of 1 N m */
   uint32_t *number;            /* the element k is the hinge number[k] */
   hk_element_force element;    /* of the hinges all of whose members live */
   hk_part_sums sums;
@@ -55,6 +56,10 @@ double hk_bending_energy(void *self, const hk_view *view);
 void hk_bending_elements(void *self, const hk_view *view, hk_elements *out);
 void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern);
 hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *into);
+/* As hk_implicit_facet.transposed; `all_rows`: the table has `damping` and `rest` after HK_BENDING_PARAMS. */
+enum { HK_BENDING_RIGIDITY = 2, HK_BENDING_DAMPING, HK_BENDING_REST };
+void hk_bending_transposed(const hk_bending *, const hk_view *view, const hk_bending_params *given, const double *u,
+                           const hk_transposed *into, bool all_rows);
 void hk_bending_stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

@@ -48,6 +48,9 @@ double hk_solid_energy(hk_solid *, const hk_view *view);
 void hk_solid_elements(const hk_solid *, hk_elements out[HK_SOLID_LISTS]);
 void hk_solid_pattern(const hk_solid *, hk_pattern *pattern);
 void hk_solid_jacobian(hk_solid *, const hk_view *view, const hk_blocks *into);
+/* As hk_implicit_facet.transposed; row: the derivatives by E, nu and damping of every tetrahedron, NULL: not wanted. */
+void hk_solid_transposed(const hk_solid *, const hk_view *view, const hk_solid_params *given, const double *u,
+                         const hk_transposed *into, double *const row[3]);
 void hk_solid_stiffness_bound(const hk_solid *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

@@ -1,7 +1,9 @@
 -- Nonlinear least squares: the parameters p, within bounds, for which the sum of the squares of residuals r(p) is least.
 -- Levenberg and Marquardt's method with the scaling of More 1978 (The Levenberg-Marquardt algorithm: implementation and
 -- theory): damped Gauss-Newton steps, by an orthogonal decomposition of the Jacobian, so that its condition is not squared.
--- The Jacobian is of central differences. Parameters at a bound that the gradient pushes outwards stay there.
+-- The Jacobian is of central differences, and on the way from one point to the next of Broyden's update (1965, A class of
+-- methods for solving nonlinear simultaneous equations, (4.5)), which costs no runs; where that serves badly, and in the
+-- minimum, it is of differences again. Parameters at a bound that the gradient pushes outwards stay there.
 local linear = require("common.fit.linear")
 local statistics = require("common.fit.statistics")
 
@@ -87,9 +89,10 @@ local function slope(J, r, free)
   return most
 end
 
--- A step that makes the residuals smaller, with ever more damping; nil: there is none.
+-- A step that makes the residuals smaller, with ever more damping; nil: there is none. What a Jacobian that was updated
+-- does not find at once is no reason for damping.
 local function descend(state, free, problem)
-  for _ = 1, 30 do
+  for _ = 1, state.exact and 30 or 1 do
     local q, length = stepped(state, free, problem)
     local found = problem.evaluate({ q }, q)
     local r = found[1]
@@ -97,7 +100,7 @@ local function descend(state, free, problem)
       state.damping = state.damping / 9
       return q, r, length
     end
-    if length < problem.tolerance then return nil end
+    if length < problem.tolerance or not state.exact then return nil end
     state.damping = math.max(state.damping, 1e-6) * 10
   end
 end
@@ -110,6 +113,70 @@ local function rescale(state)
   end
 end
 
+-- The change of the residuals from p to q is that of the updated Jacobian: J + (r(q) - r(p) - J s) (D^2 s)^T/(s^T D^2 s), by
+-- the scales D of the parameters.
+local function update(state, q, r)
+  local square, s, miss = 0, {}, {}
+  for j = 1, #q do
+    s[j] = q[j] - state.p[j]
+    square = square + (state.D[j] * s[j]) ^ 2
+  end
+  for k = 1, #r do
+    miss[k] = r[k] - state.r[k]
+    for j = 1, #q do miss[k] = miss[k] - state.J[j][k] * s[j] end
+  end
+  for j = 1, #q do
+    local weight, column = state.D[j] ^ 2 * s[j] / square, state.J[j]
+    for k = 1, #r do column[k] = column[k] + weight * miss[k] end
+  end
+  return cost_of(miss)
+end
+
+-- Moves to q. Of the Jacobian that led there the update is kept where the residuals are as it foretold, up to what was
+-- gained. By one parameter it is a secant: it always serves, and of a short step it is a difference itself.
+local short = 1e-2
+
+local function move(state, q, r, length)
+  local gained, miss = state.cost - cost_of(r), update(state, q, r)
+  state.p, state.r, state.cost = q, r, cost_of(r)
+  state.iterations = state.iterations + 1
+  state.serves = #q == 1 or miss <= gained
+  state.exact = #q == 1 and length < short
+end
+
+local function renew(state, problem)
+  local J, why = least_squares.jacobian(state.p, problem)
+  if not J then return nil, why end
+  state.J, state.exact = J, true
+  rescale(state)
+  return true
+end
+
+local function free_of(state, problem)
+  local g = {}
+  for j = 1, #state.J do g[j] = linear.dot(state.J[j], state.r) end
+  return free_ones(state.p, g, problem)
+end
+
+-- Whether a step by the Jacobian as it is would be too short to matter; one that was updated cannot tell.
+local function is_least(state, free, problem)
+  if #free == 0 or slope(state.J, state.r, free) < 1e-10 then return true end
+  local _, length = stepped(state, free, problem)
+  return length < problem.tolerance
+end
+
+-- One iteration; whether it was the last, by what the Jacobian says, or nil and why it cannot be run.
+local function iterate(state, problem)
+  local free = free_of(state, problem)
+  if #free == 0 or slope(state.J, state.r, free) < 1e-10 then return true end
+  local q, r, length = descend(state, free, problem)
+  if not q then return true end
+  local gained = (state.cost - cost_of(r)) / state.cost
+  move(state, q, r, length)
+  if problem.note then problem.note(state.iterations, state.cost) end
+  return length < problem.tolerance or gained < 1e-13
+end
+
 -- problem: start, low, high, scale (sizes by which steps are judged), difference (step of differences, by the size),
 -- tolerance (of the parameters, by the size), most (iterations), evaluate(points, base) -> list of residuals (false: it
 -- cannot be run) and list of reasons, note(iteration, cost). Returns { p, r, J, cost, iterations, ended = "converged",
@@ -118,25 +185,18 @@ function least_squares.solve(problem)
   local first, why = problem.evaluate({ problem.start }, problem.start)
   if not first[1] then return nil, why[1] end
   local state = { p = problem.start, r = first[1], cost = cost_of(first[1]), damping = 1e-3, D = {}, iterations = 0 }
+  local fine, reason = renew(state, problem)
+  if not fine then return nil, reason end
   repeat
-    local J, reason = least_squares.jacobian(state.p, problem)
-    if not J then return nil, reason end
-    state.J = J
-    if state.ended then break end
-    rescale(state)
-    local g = {}
-    for j = 1, #J do g[j] = linear.dot(J[j], state.r) end
-    local free = free_ones(state.p, g, problem)
-    if #free == 0 or slope(J, state.r, free) < 1e-10 then state.ended = "converged" break end
-    local q, r, length = descend(state, free, problem)
-    if not q then state.ended = "converged" break end
-    local gained = (state.cost - cost_of(r)) / state.cost
-    state.p, state.r, state.cost = q, r, cost_of(r)
-    state.iterations = state.iterations + 1
-    if problem.note then problem.note(state.iterations, state.cost) end
-    if length < problem.tolerance or gained < 1e-13 then state.ended = "converged"
+    local exact = state.exact
+    local last = iterate(state, problem)
+    if not state.exact and (last or not state.serves or state.iterations >= problem.most) then
+      fine, reason = renew(state, problem)
+      if not fine then return nil, reason end
+    end
+    if last and (exact or is_least(state, free_of(state, problem), problem)) then state.ended = "converged"
     elseif state.iterations >= problem.most then state.ended = ("at most %d iterations"):format(problem.most) end
-  until false
+  until state.ended
   return state
 end
 

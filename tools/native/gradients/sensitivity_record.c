@@ -71,8 +71,8 @@ static double size_of(const double *x, size_t count, bool places) {
 
 void hk_record_reach(const record *r, const double *X, double by[2]) {
   size_t v = 3 * r->steps->n;
-  by[0] = part * size_of(X, v, true);
-  by[1] = part * size_of(X + v, v, false);
+  by[0] = r->reach * part * size_of(X, v, true);
+  by[1] = r->reach * part * size_of(X + v, v, false);
 }
 
 /* ---- the measure's derivative by the state ---- */

@@ -15,6 +15,7 @@ typedef struct record {
   hk_knots knots[HK_RECORD_MOST]; /* of those that are functions of time */
   size_t count;                   /* of parameters */
   size_t measure;                 /* which of the scene is asked for */
+  double reach;                   /* of differences of the measure, in parts of hk_record_reach's own */
   double *X;                      /* 12n: a state as a run is shown it, and derivatives by it */
   double *row;                    /* rows x (2 + count): t, value, derivatives */
   size_t rows, room;

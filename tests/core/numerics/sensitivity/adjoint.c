@@ -79,18 +79,84 @@ static void chain(test_engine *e, const double p[VARIED_PARAMETERS]) {
   test_plugin(e, HK_FORCE, "gravity");
 }
 
-static void chain_and_pull(test_engine *e, const double p[VARIED_PARAMETERS]) {
+/* One force without a product of its own beside. */
+static void chain_and_flow(test_engine *e, const double p[VARIED_PARAMETERS]) {
   chain(e, p);
-  test_number(e, test_plugin(e, HK_FORCE, "central"), "strength", p[0]);
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "cubic_springs");
+  test_edges(e, springs, (const uint32_t[][2]){{1, 4}, {2, 6}}, 2);
+  test_number(e, springs, "k", p[0]);
+}
+
+static const double corner[6][3] = {{0, 0, 0},     {1, 0.1, 0},    {0.1, 0.9, 0},
+                                    {1.1, 1, 0.2}, {2, 0.2, -0.1}, {0.4, 0.4, 0.8}};
+
+static void places(test_engine *e, size_t n, const double p[VARIED_PARAMETERS]) {
+  for (size_t i = 0; i < n; i++)
+    test_particle(e, corner[i][0], corner[i][1], corner[i][2], p[2] * (1 + 0.3 * sin(2. * (double)i)));
+  for (size_t i = 0; i < 3 * n; i++) e->scene->particles.velocity[i] = p[3] * sin(1.7 * (double)i);
+  test_pin(e, HK_PIN_FIXED, 1, NULL);
+}
+
+/* A sheet of three triangles with the moduli p[0] and p[1] in a row of their own each, and what bends it. */
+static hk_plugin_spec *sheet(test_engine *e, const double p[VARIED_PARAMETERS], const char *model) {
+  places(e, 5, p);
+  hk_plugin_spec *membrane = test_plugin(e, HK_FORCE, "membrane");
+  test_tuples(e, membrane, "triangles", 3, (const uint32_t[]){1, 2, 3, 2, 4, 3, 2, 5, 4}, 3);
+  test_text(e, membrane, "model", model);
+  test_list(e, membrane, "stiffness", (double[]){p[0], 2 * p[0], 1.5 * p[0]}, 3);
+  test_number(e, membrane, "damping", 0.05 * p[1]);
+  return membrane;
+}
+
+static void cloth(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  hk_plugin_spec *membrane = sheet(e, p, "baraff_witkin");
+  test_number(e, membrane, "shear", 10 * p[1]);
+  test_number(e, membrane, "weft", 30 * p[1]);
+  hk_plugin_spec *hinges = test_plugin(e, HK_FORCE, "hinges");
+  test_tuples(e, hinges, "triangles", 3, (const uint32_t[]){1, 2, 3, 2, 4, 3, 2, 5, 4}, 3);
+  test_number(e, hinges, "rigidity", 0.01 * p[0]);
+  test_number(e, hinges, "damping", 0.1 * p[1]);
+  test_number(e, hinges, "rest", 0.3 * p[1]);
+}
+
+static void fabric(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  test_number(e, sheet(e, p, "stvk"), "nu", 0.3 * p[1]);
+  hk_plugin_spec *bending = test_plugin(e, HK_FORCE, "quadratic_bending");
+  test_tuples(e, bending, "hinges", 4, (const uint32_t[]){2, 3, 1, 4, 2, 4, 3, 5}, 2);
+  test_list(e, bending, "rigidity", (double[]){0.02 * p[0], p[1]}, 2);
+}
+
+static void rubber(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  test_number(e, sheet(e, p, "neo_hookean"), "nu", 0.5 * p[1]);
+  hk_plugin_spec *central = test_plugin(e, HK_FORCE, "central");
+  test_number(e, central, "strength", p[1]);
+  test_number(e, central, "power", -p[1]);
+  test_number(e, central, "softening", 0.4 * p[1]);
+  test_number(e, central, "range", 3 * p[1]);
+  test_vector(e, central, "center", 0.2, p[1], 0.01 * p[0]);
+  test_vector(e, central, "axis", p[1], 1, 0.3);
+}
+
+static void flesh(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  places(e, 6, p);
+  hk_plugin_spec *solid = test_plugin(e, HK_FORCE, "neo_hookean");
+  test_tuples(e, solid, "tetrahedra", 4, (const uint32_t[]){1, 2, 3, 6, 2, 4, 3, 6}, 2);
+  test_list(e, solid, "E", (double[]){2 * p[0], p[0]}, 2);
+  test_number(e, solid, "nu", 0.5 * p[1]);
+  test_list(e, solid, "damping", (double[]){p[1], 0}, 2);
+  hk_plugin_spec *angles = test_plugin(e, HK_FORCE, "angle_springs");
+  test_edges(e, angles, (const uint32_t[][2]){{1, 2}, {2, 5}, {5, 4}}, 3);
+  test_number(e, angles, "EI", p[1]);
+  test_number(e, angles, "retardation", 0.1 * p[1]);
 }
 
 /* Against tangents, which compare scenes at every evaluation. */
 static void derivatives_by_forces_are_those_between_scenes(void **state) {
   (void)state;
-  varied_scene *const scenes[] = {chain, chain_and_pull};
-  for (int which = 0; which < 2; which++)
+  varied_scene *const scenes[] = {chain, chain_and_flow, flesh, cloth, fabric, rubber};
+  for (int which = 0; which < 6; which++)
     for (size_t m = 0; m < VARIED_METHODS; m++) {
-      double off = mismatch_of(scenes[which], 6, varied_method[m], 0);
+      double off = mismatch_of(scenes[which], which < 3 ? 6 : 5, varied_method[m], 0);
       if (!(off < 1)) fail_msg("%d, %s: %g", which, varied_method[m], off);
     }
 }
