@@ -195,6 +195,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
+  m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && (s->viscosity > 0 || s->viscosity_of);
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
       (hk_liquid_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};

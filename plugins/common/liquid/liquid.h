@@ -45,6 +45,7 @@ typedef struct hk_liquid {
   uint32_t *cell;     /* most: of each place in the list */
   bool *through;      /* most: of each place in the list: it passed an obstacle in the last step */
   size_t most;        /* particles that there is memory for */
+  bool sticks;        /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
   size_t inside; /* cells that are full: liquid on all sides */
@@ -61,8 +62,10 @@ void hk_liquid_close(hk_liquid *);
 void hk_liquid_sort(hk_liquid *, const hk_liquid_particles *);
 /* Velocities, weights and filled parts from the particles. Momentum is kept to rounding, and so is the angular momentum
  * of what is further from walls than half a cell, the particles' own, m C D with D = f (1 - f) h^2 for the faces of a
- * component (f: part of the way between them), counted in. Jiang et al. 2015, eqs. 8 to 12, with the bilinear or
- * trilinear kernel on each component's faces. */
+ * component (f: part of the way between them), counted in. Where the liquid sticks to the box, a particle nearer to it
+ * than the first centres has a velocity that falls linearly to none at the face, and gives what its gradient says of
+ * them: the box takes the difference. Jiang et al. 2015, eqs. 8
+ * to 12, with the bilinear or trilinear kernel on each component's faces. */
 void hk_liquid_scatter(hk_liquid *, const hk_liquid_particles *);
 /* Distances of cells to the free surface from their filled parts, and the numbers of those in the liquid: its surface
  * is where half of what a cell's kernel covers is filled. */
