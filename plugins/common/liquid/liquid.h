@@ -9,6 +9,7 @@
 #ifndef HK_LIQUID_H
 #define HK_LIQUID_H
 
+#include "plugins/common/emission/inflows.h"
 #include "plugins/common/liquid/bodies.h"
 #include "plugins/common/mac_grid/liquid_grid.h"
 #include "plugins/common/mac_grid/pressure.h"
@@ -34,6 +35,7 @@ typedef struct hk_liquid {
   hk_liquid_grid grid;
   hk_pressure pressure;
   const hk_obstacle_set *obstacles; /* NULL: none */
+  const hk_inflows *inflows;        /* NULL: none */
   hk_liquid_bodies bodies;
   hk_thin_walls thin; /* cloth */
   hk_liquid_transfer transfer;
@@ -73,6 +75,10 @@ void hk_liquid_find_surface(hk_liquid *);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);
+/* What comes through walls in the step that ends at t, s, after hk_liquid_walls: by the part of a face that an inflow
+ * covers and that of the step in which it flows, so that the volume is that which its source bears. HK_BAD_PARAM, with
+ * a message: an inflow is not on a wall of the grid, or has another density. */
+hk_status hk_liquid_let_in(hk_liquid *, double t, double h);
 /* The part of a cell that no wall covers, as if it were cut by a plane of mean slope. */
 double hk_liquid_open_cell(const hk_liquid_grid *, size_t i);
 /* m/s, along axis c, of the obstacle that is nearest to x, there; 0: a body is, or there is none. */
