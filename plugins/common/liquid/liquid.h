@@ -99,7 +99,8 @@ void hk_liquid_extend(hk_liquid *, int layers);
  * the density. */
 void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, double *full);
 /* Moves the particles by the grid's velocity for h, s (Ralston's method of order 3), then by the displacement, and out
- * of walls; `through` is whom that took to the other side of an obstacle. */
+ * of walls, whose obstacles end their motion into them; `through` is whom that took to the other side of an obstacle.
+ */
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
