@@ -18,7 +18,6 @@
 #include "plugins/common/liquid_viscosity/liquid_viscosity.h"
 #include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
-#include "plugins/common/obstacles/obstacles_service.h"
 
 #include <string.h>
 
@@ -195,6 +194,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
+  m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && (s->viscosity > 0 || s->viscosity_of);
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
       (hk_liquid_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
@@ -214,15 +214,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status == HK_OK) status = host->resize(host, &s->force, 12 * m->bodies.count);
   if (status == HK_OK) status = open_cloth(s, view);
   if (status != HK_OK) return status;
-  const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
-  if (!all) return HK_FAILED;
-  m->obstacles = all->set;
-  s->obstacles = all->set->count;
-  status = all->carry(all->self, (const bool *const *)&s->carried);
+  status = hk_liquid_find_walls(m, (const bool *const *)&s->carried);
+  if (status != HK_OK) return status;
+  s->obstacles = m->obstacles->count;
   s->reached = view->t;
   s->drift = NAN;
-  if (status == HK_OK) hk_liquid_warn_of_walls(m);
-  return status == HK_OK ? hk_liquid_open(m, host, s->count) : status;
+  hk_liquid_warn_of_walls(m);
+  return hk_liquid_open(m, host, s->count);
 }
 
 static void destroy(void *self, const hk_host *host) {
@@ -313,6 +311,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_sort(m, &p);
   hk_liquid_scatter(m, &p);
   hk_liquid_walls(m);
+  status = hk_liquid_let_in(m, view->t, c->h);
+  if (status != HK_OK) return status;
   hk_liquid_find_surface(m);
   status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
   if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);

@@ -141,6 +141,7 @@ local more = {
   new = { "scene mine", "force mine" },
   paths = { scene .. " --integrators euler,rk4@0.05 --out out/paths" },
   plugins = { "", "springs" },
+  refine = { scene .. " --of k --until 0.1" },
   scaling = { scene .. " k=10,20 --budget 0.5 --out out/scaling" },
   stability = { "--integrators leapfrog --out out/linear", scene .. " --integrators leapfrog --over k=100 --out out/limits" },
   sweep = { scene .. " k=10,20 --db out/s.db --quiet" },

@@ -9,6 +9,7 @@
 #ifndef HK_LIQUID_H
 #define HK_LIQUID_H
 
+#include "plugins/common/emission/inflows.h"
 #include "plugins/common/liquid/bodies.h"
 #include "plugins/common/mac_grid/liquid_grid.h"
 #include "plugins/common/mac_grid/pressure.h"
@@ -34,6 +35,7 @@ typedef struct hk_liquid {
   hk_liquid_grid grid;
   hk_pressure pressure;
   const hk_obstacle_set *obstacles; /* NULL: none */
+  const hk_inflows *inflows;        /* NULL: none */
   hk_liquid_bodies bodies;
   hk_thin_walls thin; /* cloth */
   hk_liquid_transfer transfer;
@@ -45,6 +47,7 @@ typedef struct hk_liquid {
   uint32_t *cell;     /* most: of each place in the list */
   bool *through;      /* most: of each place in the list: it passed an obstacle in the last step */
   size_t most;        /* particles that there is memory for */
+  bool sticks;        /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
   size_t inside; /* cells that are full: liquid on all sides */
@@ -61,8 +64,10 @@ void hk_liquid_close(hk_liquid *);
 void hk_liquid_sort(hk_liquid *, const hk_liquid_particles *);
 /* Velocities, weights and filled parts from the particles. Momentum is kept to rounding, and so is the angular momentum
  * of what is further from walls than half a cell, the particles' own, m C D with D = f (1 - f) h^2 for the faces of a
- * component (f: part of the way between them), counted in. Jiang et al. 2015, eqs. 8 to 12, with the bilinear or
- * trilinear kernel on each component's faces. */
+ * component (f: part of the way between them), counted in. Where the liquid sticks to the box, a particle nearer to it
+ * than the first centres has a velocity that falls linearly to none at the face, and gives what its gradient says of
+ * them: the box takes the difference. Jiang et al. 2015, eqs. 8
+ * to 12, with the bilinear or trilinear kernel on each component's faces. */
 void hk_liquid_scatter(hk_liquid *, const hk_liquid_particles *);
 /* Distances of cells to the free surface from their filled parts, and the numbers of those in the liquid: its surface
  * is where half of what a cell's kernel covers is filled. */
@@ -70,6 +75,10 @@ void hk_liquid_find_surface(hk_liquid *);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);
+/* What comes through walls in the step that ends at t, s, after hk_liquid_walls: by the part of a face that an inflow
+ * covers and that of the step in which it flows, so that the volume is that which its source bears. HK_BAD_PARAM, with
+ * a message: an inflow is not on a wall of the grid, or has another density. */
+hk_status hk_liquid_let_in(hk_liquid *, double t, double h);
 /* The part of a cell that no wall covers, as if it were cut by a plane of mean slope. */
 double hk_liquid_open_cell(const hk_liquid_grid *, size_t i);
 /* m/s, along axis c, of the obstacle that is nearest to x, there; 0: a body is, or there is none. */
@@ -90,7 +99,8 @@ void hk_liquid_extend(hk_liquid *, int layers);
  * the density. */
 void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, double *full);
 /* Moves the particles by the grid's velocity for h, s (Ralston's method of order 3), then by the displacement, and out
- * of walls; `through` is whom that took to the other side of an obstacle. */
+ * of walls, whose obstacles end their motion into them; `through` is whom that took to the other side of an obstacle.
+ */
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);

@@ -2,6 +2,7 @@
 #include "plugins/common/liquid/liquid_start.h"
 #include "plugins/common/mac_grid/narrow_gaps.h"
 #include "plugins/common/mac_grid/thin_solids.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 double hk_liquid_default_cell(const hk_view *view, const uint32_t *index, size_t count, double density,
                               const double low[3], const double high[3]) {
@@ -45,4 +46,14 @@ void hk_liquid_warn_of_walls(const hk_liquid *l) {
   static const bool open[3][2];
   hk_warn_of_thin(l->host, &l->grid, l->obstacles, "the liquid");
   hk_warn_of_gaps(l->host, &l->grid, l->obstacles, open, "liquid");
+}
+
+hk_status hk_liquid_find_walls(hk_liquid *l, const bool *const *carried) {
+  const hk_obstacles *all = l->host->query(l->host, HK_OBSTACLES_INTERFACE);
+  const hk_inflows *inflows = l->host->query(l->host, HK_INFLOWS_INTERFACE);
+  if (!all || !inflows) return HK_FAILED;
+  l->obstacles = all->set;
+  l->inflows = inflows;
+  inflows->take(inflows->self);
+  return all->carry(all->self, carried);
 }

@@ -2,6 +2,8 @@
 #include "plugins/common/liquid/liquid.h"
 
 static const double least_open = 1e-3, least_room = 0.05;
+static const double on_grid = 1e-6;      /* of a cell: rounding of the place of an inflow */
+static const double same_density = 1e-9; /* relative */
 
 /* The solid that is nearest to a point. */
 typedef struct nearest_solid {
@@ -227,4 +229,81 @@ void hk_liquid_walls(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, face_rows, l);
   find_room(l);
   close_thin_walls(l);
+}
+
+/* ---- inflows ---- */
+
+typedef struct opened {
+  size_t first[3], last[3]; /* faces that the inflow covers, or a part of them */
+  double speed;             /* m/s, mean of the step */
+  const hk_inflow *inflow;
+} opened;
+
+static hk_status find_faces(const hk_liquid *l, const hk_inflow *in, opened *o) {
+  const hk_liquid_grid *g = &l->grid;
+  int a = in->axis;
+  double at = (in->low[a] - g->low[a]) / g->spacing[a], near = floor(at + 0.5);
+  if (g->flat[a] || !(fabs(at - near) < on_grid) || near < 0 || near > (double)g->cells[a])
+    return l->host->fail(l->host, HK_BAD_PARAM,
+                         "an inflow at %c = %g m is on no face of the grid, which has them each %g m from %g to %g m: "
+                         "put it on a face of the box, or of an obstacle that fits the grid",
+                         "xyz"[a], in -> low[a], g -> spacing[a], g -> low[a], g -> high[a]);
+  for (int c = 0; c < 3; c++) {
+    o->first[c] = o->last[c] = c == a ? (size_t)near + 1 : 1;
+    if (c == a || g->flat[c]) continue;
+    double low = (in->low[c] - g->low[c]) / g->spacing[c], high = (in->high[c] - g->low[c]) / g->spacing[c];
+    if (low < -on_grid || high > (double)g->cells[c] + on_grid || !(high > low))
+      return l->host->fail(l->host, HK_BAD_PARAM,
+                           "an inflow goes from %g to %g m along %c, and the box of the liquid from %g to %g m: "
+                           "give it a width, within the box",
+                           in->low[c], in->high[c], "xyz"[c], g -> low[c], g -> high[c]);
+    o->first[c] = (size_t)fmax(0, floor(low + on_grid)) + 1;
+    o->last[c] = (size_t)fmin((double)g->cells[c], ceil(high - on_grid));
+  }
+  return HK_OK;
+}
+
+/* The part of face or cell `at` along axis c. */
+static double covered(const hk_liquid_grid *g, const hk_inflow *in, int c, size_t at) {
+  if (c == in->axis || g->flat[c]) return 1;
+  double low = g->low[c] + g->spacing[c] * (double)(at - 1), high = low + g->spacing[c];
+  return fmax(0, fmin(high, in->high[c]) - fmax(low, in->low[c])) / g->spacing[c];
+}
+
+/* Adds the inflow to its faces; with `clear` they are those of walls at rest. */
+static hk_status let_in(hk_liquid *l, const opened *o, bool clear) {
+  hk_liquid_grid *g = &l->grid;
+  int a = o->inflow->axis;
+  size_t at[3];
+  for (at[0] = o->first[0]; at[0] <= o->last[0]; at[0]++)
+    for (at[1] = o->first[1]; at[1] <= o->last[1]; at[1]++)
+      for (at[2] = o->first[2]; at[2] <= o->last[2]; at[2]++) {
+        size_t i = at[0] * g->stride[0] + at[1] * g->stride[1] + at[2] * g->stride[2];
+        double part = 1;
+        for (int c = 0; c < 3; c++) part *= covered(g, o->inflow, c, at[c]);
+        if (g->open[a][i] > 0)
+          return l->host->fail(l->host, HK_BAD_PARAM,
+                               "an inflow at %c = %g m is not on a wall everywhere: put it on a face of the box, or of "
+                               "an obstacle that fits the grid",
+                               "xyz"[a], o -> inflow -> low[a]);
+        g->wall[a][i] = clear ? 0 : g->wall[a][i] + part * o->speed;
+      }
+  return HK_OK;
+}
+
+hk_status hk_liquid_let_in(hk_liquid *l, double t, double h) {
+  const hk_inflows *all = l->inflows;
+  hk_status status = HK_OK;
+  for (int turn = 0; turn < 2 && all; turn++)
+    for (size_t k = 0; k < all->count && status == HK_OK; k++) {
+      const hk_inflow *in = all->member[k];
+      opened o = {.speed = in->speed * fmax(0, fmin(t, in->to) - fmax(t - h, in->from)) / h, .inflow = in};
+      if (fabs(in->density - l->density) > same_density * l->density)
+        return l->host->fail(l->host, HK_BAD_PARAM,
+                             "an inflow has the density %g kg/m^3, and the liquid %g: give both the same", in->density,
+                             l->density);
+      status = find_faces(l, in, &o);
+      if (status == HK_OK) status = let_in(l, &o, turn == 0);
+    }
+  return status;
 }

@@ -107,13 +107,26 @@ static double body_gap(const hk_liquid *l, size_t k, const double x[3], double n
   return b->present ? hk_liquid_body_distance(b, at, 0, n) : INFINITY;
 }
 
+/* The particle, at x on the wall with the outward normal n, no longer moves into it. On the grid, pressure stops what
+ * is liquid there; on what flies freely, in drops of less than half a cell, none acts, and it would keep its velocity
+ * as long as the wall holds it, and give the liquid that it comes to a blow: films in a round bowl came to 20 m/s. */
+static void stop_at(const hk_obstacle *o, const double x[3], const double n[3], double v[3]) {
+  static const double rest[3];
+  double u[3], into = 0;
+  hk_body_move(&o->motion.end, x, rest, u);
+  for (int c = 0; c < 3; c++) into += (v[c] - u[c]) * n[c];
+  for (int c = 0; c < 3 && into < 0; c++) v[c] -= into * n[c];
+}
+
 /* Out of obstacles and bodies along their normals, then into the box. */
-static void keep(const hk_liquid *l, size_t i, double x[3]) {
+static void keep(const hk_liquid *l, size_t i, double x[3], double v[3]) {
   const hk_liquid_grid *g = &l->grid;
   for (size_t k = 0; l->obstacles && k < l->obstacles->count; k++) {
     const hk_obstacle *o = l->obstacles->member[k];
     double n[3], gap = hk_obstacle_gap(o, &o->motion.end, x, i, n);
-    for (int c = 0; c < 3 && gap < 0; c++) x[c] -= gap * n[c];
+    if (!(gap < 0)) continue;
+    for (int c = 0; c < 3; c++) x[c] -= gap * n[c];
+    stop_at(o, x, n, v);
   }
   for (size_t k = 0; k < l->bodies.count; k++) {
     double n[3], gap = body_gap(l, k, x, n);
@@ -138,7 +151,8 @@ static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
   (void)piece;
   for (size_t k = begin; k < end; k++) {
     size_t i = t->p->index[t->l->sorted[k]];
-    double *x = t->p->x + 3 * i, from[3] = {x[0], x[1], x[2]}, first[3], second[3], third[3], on[3];
+    double *x = t->p->x + 3 * i, *v = t->p->v + 3 * i, from[3] = {x[0], x[1], x[2]};
+    double first[3], second[3], third[3], on[3];
     hk_liquid_place at;
     hk_liquid_locate(g, x, &at);
     velocity_at(g, x, first);
@@ -150,10 +164,10 @@ static void move_piece(void *context, size_t begin, size_t end, size_t piece) {
       x[c] += t->h / 9 * (2 * first[c] + 3 * second[c] + 4 * third[c]);
       if (!g->flat[c]) x[c] += hk_liquid_value(g, g->push[c], &at, c);
     }
-    keep(t->l, i, x);
+    keep(t->l, i, x, v);
     if (t->l->thin.triangles) {
       hk_thin_walls_keep(&t->l->thin, g, t->l->cell[t->l->sorted[k]], from, x);
-      keep(t->l, i, x);
+      keep(t->l, i, x, v);
     }
     t->l->through[t->l->sorted[k]] = passes_obstacle(t->l, from, x);
   }

@@ -59,6 +59,26 @@ HK_INLINE void add(const hk_liquid_grid *g, size_t at, const double f[3], double
   }
 }
 
+/* m/s, by which component a differs on the plane of the first centres, by the particle's gradient. In a corner the
+ * velocity is s y z: its mixed derivative s is that of the gradient by the distances y, z. */
+static double carry_from_wall(const hk_liquid *l, const hk_liquid_place *at, const double x[3], const double *gradient,
+                              int a) {
+  const hk_liquid_grid *g = &l->grid;
+  double sum = 0, both = 1, rise = 0, far = 0;
+  int walls = 0;
+  for (int c = 0; c < 3; c++) {
+    if (c == a || g->flat[c] || !at->at_wall[c]) continue;
+    double low = x[c] - g->low[c], high = g->high[c] - x[c], away = fmin(low, high);
+    double way = g->spacing[c] / 2 - away, slope = low < high ? gradient[3 * a + c] : -gradient[3 * a + c];
+    sum += slope * way;
+    both *= way;
+    rise += slope;
+    far += away;
+    walls++;
+  }
+  return walls == 2 && far > 0 ? sum + rise / far * both : sum;
+}
+
 static void scatter_one(const hk_liquid *l, const hk_liquid_particles *p, size_t i) {
   const hk_liquid_grid *g = &l->grid;
   hk_liquid_place at;
@@ -70,7 +90,9 @@ static void scatter_one(const hk_liquid *l, const hk_liquid_particles *p, size_t
     for (int c = 0; c < 3 && p->affine; c++)
       if (c == a || !at.at_wall[c]) slope[c] = p->affine[p->apart * i + 3 * (size_t)a + (size_t)c] * g->spacing[c];
     size_t corner = hk_liquid_corner(g, &at, a, f);
-    add(g, corner, f, m, p->v[3 * i + (size_t)a], slope, g->weight[a], g->u[a]);
+    double v = p->v[3 * i + (size_t)a];
+    if (l->sticks && p->affine) v += carry_from_wall(l, &at, p->x + 3 * i, p->affine + p->apart * i, a);
+    add(g, corner, f, m, v, slope, g->weight[a], g->u[a]);
   }
   size_t corner = hk_liquid_corner(g, &at, 3, f);
   static const double none[3];
@@ -138,6 +160,23 @@ HK_INLINE double value_and_slope(const hk_liquid_grid *g, const hk_liquid_place 
   return v0 + f[2] * (v1 - v0);
 }
 
+/* m/s, component a at x, which is u on the plane of the first centres and falls linearly to none at the box: so the
+ * particles' momentum and energy are those of a flow that sticks. They move with u, which takes through a section what
+ * its faces let through. slope, 1/s: the gradient on that plane, becomes that at x. */
+static double stick(const hk_liquid *l, const hk_liquid_place *at, const double x[3], int a, double u,
+                    double slope[3]) {
+  const hk_liquid_grid *g = &l->grid;
+  for (int c = 0; c < 3; c++) {
+    if (c == a || g->flat[c] || !at->at_wall[c]) continue;
+    double low = x[c] - g->low[c], high = g->high[c] - x[c], rise = 2 * u / g->spacing[c];
+    double part = fmax(0, fmin(1, 2 * fmin(low, high) / g->spacing[c]));
+    for (int b = 0; b < 3; b++) slope[b] *= part;
+    slope[c] = low < high ? rise : -rise;
+    u *= part;
+  }
+  return u;
+}
+
 static void gather_piece(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
   const hk_liquid *l = t->l;
@@ -154,6 +193,7 @@ static void gather_piece(void *context, size_t begin, size_t end, size_t piece) 
         continue;
       }
       double u = value_and_slope(g, &at, a, slope);
+      if (l->sticks) u = stick(l, &at, t->p->x + 3 * i, a, u, slope);
       if (l->transfer == HK_LIQUID_FLIP) u += l->flip * (*v - hk_liquid_value(g, g->before[a], &at, a));
       *v = u;
       bool keeps = l->transfer == HK_LIQUID_APIC;

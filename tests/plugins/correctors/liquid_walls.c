@@ -74,11 +74,43 @@ static void memory_is_said_with_the_viscosity(void **state) {
   if (!strstr(r.err, "its viscosity up to") || !strstr(r.err, "take larger cells")) fail_msg("%s", r.err);
 }
 
+/* A drop of a single particle falls into a round bowl, slides down and up in it. No pressure acts on it: it kept its
+ * velocity into the wall, 0.57 m/s of it. */
+static const char bowl[] =
+    "local scene = hooke.scene { duration = 1, fps = 100, integrator = 'symplectic_euler' }\n"
+    "scene:particle { position = { 0.2, 0, 0.3 }, mass = 0.01 }\n"
+    "scene:force('gravity', { g = { 0, 0, -9.81 } })\n"
+    "scene:corrector('obstacle', { shape = 'sphere', size = { 1, 1, 1 }, hollow = true, restitution = 0 })\n"
+    "scene:corrector('liquid', { low = { -0.6, 0, -0.6 }, high = { 0.6, 0, 0.6 }, cell = 0.02 })\n"
+    "local head, into, frames = -1, 0, 0\n"
+    "scene:measure('head', function(s)\n"
+    "  local p, v = s:position(1), s:velocity(1)\n"
+    "  local r = math.sqrt(p[1]^2 + p[3]^2)\n"
+    "  if r > 0.5 - 1e-9 then frames, into = frames + 1, math.max(into, (p[1] * v[1] + p[3] * v[3]) / r) end\n"
+    "  head = math.max(head, (v[1]^2 + v[3]^2) / (2 * 9.81) + p[3])\n"
+    "  return head end)\n"
+    "scene:measure('into', function() return into end)\n"
+    "scene:measure('frames', function() return frames end)\n"
+    "return scene\n";
+
+static void a_drop_on_a_wall_does_not_move_into_it(void **state) {
+  (void)state;
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s --json --no-output --no-check", test_write("bowl.lua", bowl));
+  test_hooke(&r, NULL, arguments);
+  assert_int_equal(r.code, 0);
+  assert_true(test_json(r.out, "frames") > 10);
+  double into = test_json(r.out, "into"), head = test_json(r.out, "head");
+  if (!(into < 1e-12)) fail_msg("%g m/s into the wall", into);
+  if (!(head < 0.3 + 1e-9)) fail_msg("%g m of head, from 0.3", head);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_drum_turns_its_liquid_as_fast_as_itself),
       cmocka_unit_test(obstacles_take_no_step_back),
       cmocka_unit_test(memory_is_said_with_the_viscosity),
+      cmocka_unit_test(a_drop_on_a_wall_does_not_move_into_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
