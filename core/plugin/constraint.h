@@ -10,8 +10,8 @@ enum {                   /* hk_constraint.flags */
         * list of edges among the parameters. */
        HK_DISTANCES = 2,   /* equation k is L - |x_j - x_i| of pair k. L is constant, the value of the first parameter
                               per tuple, which `create` fills with the distance at the start where it is not given */
-       HK_DIFFERENCES = 4, /* equations 3 k to 3 k + 2 keep x_j - x_i of pair k, as at the start where nothing else is
-                             given */
+       HK_DIFFERENCES = 4, /* equations 3 k to 3 k + 2 are x_j - x_i of pair k minus the values of the first three
+                             parameters per tuple, which `create` fills with it at the start where it is not given */
        HK_WAYS = 8         /* equation k keeps (b - a).(d - c)/l of the k-th four points a, b, c, d of the first list of
                               tetrahedra, with l their distance |d - c| at the start, as at the start */
 };

@@ -122,9 +122,14 @@ static void move_point(const hk_body_list *s, uint32_t particle, double weight, 
 /* The riders of the body move with their carriers. */
 static void carry_riders(const hk_body_list *s, uint32_t body, double *response) {
   const hk_state *state = s->dynamics->state;
+  const hk_rider *next = state->model.rider, *end = next + state->model.riders; /* behind the last that was found */
   for (size_t e = s->member_start[body]; e < s->member_start[body + 1] && state->model.riders; e++) {
     uint32_t i = s->member[e];
-    const hk_rider *r = state->pin[i] == HK_PIN_RIDES ? hk_model_rider(&state->model, i) : NULL;
+    const hk_rider *r = NULL;
+    if (state->pin[i] == HK_PIN_RIDES) {
+      r = next < end && next->particle == i ? next : hk_model_rider(&state->model, i);
+      next = r ? r + 1 : next;
+    }
     double *out = response + 3 * (size_t)i;
     if (r) out[0] = out[1] = out[2] = 0;
     for (uint32_t k = 0; r && k < r->carriers; k++)

@@ -1,7 +1,9 @@
 /* What the constraints of a scene say of a state: g, its derivatives and the rate of change of g, for all equations in
  * one list. */
 
+#include "core/engine/contract/contract.h"
 #include "core/numerics/constraints/constraints.h"
+#include "core/numerics/rigid/rigid.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -150,4 +152,37 @@ bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
   if (pin == UINT32_MAX) return false;
   const hk_pin_spec *spec = d->pins->item[pin].spec;
   return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
+}
+
+/* Fills the point of a particle or rider. */
+static void fill_point(const hk_dynamics *d, uint32_t particle, size_t at[4], double weight[4]) {
+  const hk_rider *r = hk_model_rider(&d->state->model, particle);
+  for (uint32_t c = 0; c < 4; c++) {
+    const bool carries = r && c < r->carriers;
+    at[c] = 3 * (size_t)(carries ? r->carrier[c] : r ? r->carrier[0] : particle);
+    weight[c] = carries ? r->weight[c] : !r && c == 0;
+  }
+}
+
+int hk_rigid_pair_of(const hk_dynamics *d, size_t equation, uint32_t end[2], hk_rigid_pair *p) {
+  size_t number, lengths = 0;
+  const hk_instance *instance = hk_constraint_of(d, equation, &number);
+  const unsigned kind = instance->plugin->constraint->flags & (HK_DISTANCES | HK_DIFFERENCES);
+  const hk_tuples *pairs = NULL;
+  if (!kind || instance->spec->timed_count) return -1;
+  p->distance = kind == HK_DISTANCES;
+  const size_t each = p->distance ? 1 : 3, tuple = (number - 1) / each;
+  if ((number - 1) % each) return 0;
+  for (const hk_param *q = instance->plugin->params; q->name; q++) {
+    if (q->edges && !pairs) pairs = hk_param_in(q, instance->self);
+    const hk_per_tuple *length = q->per_tuple && lengths < each ? hk_param_in(q, instance->self) : NULL;
+    if (length && length->count == 0) return -1;
+    if (length) p->length[lengths++] = hk_tuple_value(length, tuple);
+  }
+  if (!pairs || lengths < each) return -1;
+  for (int e = 0; e < 2; e++) {
+    end[e] = hk_tuple(pairs, tuple)[e];
+    fill_point(d, end[e], p->at[e], p->weight[e]);
+  }
+  return (int)each;
 }

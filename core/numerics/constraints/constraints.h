@@ -46,6 +46,7 @@ typedef struct hk_rigid_groups hk_rigid_groups;
 typedef struct hk_rigid_links hk_rigid_links;
 struct hk_rigid_group;
 struct hk_rigid_bundle;
+struct hk_rigid_pair;
 
 /* What SHAKE works on: a step of h s, from `from` at t_from to x and v at t, n x 3 each. */
 typedef struct hk_rattle_step {
@@ -151,6 +152,10 @@ bool hk_constraint_touches(const hk_constraints *, size_t k, double size);
 
 /* "equation 3 (particles 3 and 4)": the ids of at most four. */
 void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
+/* The pair that begins with an equation: its points and what it keeps, and the particles of its ends. Returns how many
+ * equations it has; 0: the pair begins before it, -1: it is of another kind, or of what changes with time. */
+int hk_rigid_pair_of(const hk_dynamics *, size_t equation, uint32_t end[2], struct hk_rigid_pair *);
 
 /* ---- restitution.c ---- */
 

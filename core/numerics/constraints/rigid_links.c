@@ -32,14 +32,14 @@ typedef struct joined {
 } joined;
 
 struct hk_rigid_links {
-  size_t nodes, rows, terms;
+  size_t nodes, rows, terms, pairs;
   hk_rigid_node *node;
   uint32_t *equation; /* rows */
   hk_rigid_term *term;
-  double *g;          /* rows */
-  double *all;        /* bundles: the multipliers of SHAKE's rounds, 6 x HK_RIGID_BUNDLE each */
-  double (*moved)[6]; /* nodes: the sum of the rounds' ways */
-  bool kept;          /* the factors are those of kept_x and kept_t */
+  hk_rigid_pair *pair; /* all rows, if they are in pairs; otherwise there are none */
+  double *g;           /* rows */
+  double *all;         /* bundles: the multipliers of SHAKE's rounds, 6 x HK_RIGID_BUNDLE each */
+  bool kept;           /* the factors are those of kept_x and kept_t */
   double kept_t, *kept_x;
   double *before; /* n x 3: positions before the rounds */
 };
@@ -60,12 +60,13 @@ typedef struct search {
   size_t *start, *incident;  /* groups: their first in `incident`, which lists links */
   uint32_t *queue, *node_of; /* groups: in the order of the nodes; and their places there */
   size_t *upward;            /* groups: the link to the parent; SIZE_MAX: none */
+  bool all_pairs;            /* so far all links are pairs */
   hk_rigid_links *into;
 } search;
 
 void hk_rigid_links_close(hk_rigid_links *l) {
   if (!l) return;
-  void *arrays[] = {l->node, l->equation, l->term, l->g, l->all, l->moved, l->kept_x, l->before};
+  void *arrays[] = {l->node, l->equation, l->term, l->pair, l->g, l->all, l->kept_x, l->before};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(l);
 }
@@ -193,6 +194,21 @@ static void add_terms(search *s, uint32_t node, const joined *row, uint32_t numb
   }
 }
 
+/* The pair that begins with the equation, if any does; false: it is of another kind. */
+static bool add_pair(search *s, uint32_t node, const joined *row, uint32_t number) {
+  hk_rigid_pair *p = &s->into->pair[s->into->pairs];
+  uint32_t end[2];
+  int begun = hk_rigid_pair_of(s->d, row->equation, end, p);
+  if (begun <= 0) return begun == 0;
+  p->node = node, p->row = number, p->equation = s->into->node[node].row + number;
+  for (int e = 0; e < 2; e++) {
+    uint32_t group = group_of(s, end[e]);
+    p->of[e] = group == HK_RIGID_NOTHING ? HK_HELD : s->node_of[group] == node ? HK_OWN : HK_OTHER;
+  }
+  s->into->pairs++;
+  return true;
+}
+
 static void fill_node(search *s, uint32_t node) {
   hk_rigid_links *l = s->into;
   hk_rigid_node *n = &l->node[node];
@@ -214,6 +230,7 @@ static void fill_node(search *s, uint32_t node) {
   for (uint32_t r = 0; r < n->rows; r++) {
     l->equation[l->rows++] = row[r].equation;
     add_terms(s, node, &row[r], r);
+    s->all_pairs = s->all_pairs && add_pair(s, node, &row[r], r);
   }
 }
 
@@ -235,12 +252,12 @@ static bool open_links(search *s, size_t bundles) {
   l->node = calloc(l->nodes + 1, sizeof *l->node);
   l->equation = malloc((s->equations + 1) * sizeof *l->equation);
   l->term = malloc((s->blocks + 1) * sizeof *l->term);
+  l->pair = malloc((s->equations + 1) * sizeof *l->pair);
   l->g = malloc((s->equations + 1) * sizeof *l->g);
   l->all = malloc((6 * HK_RIGID_BUNDLE * bundles + 1) * sizeof *l->all);
-  l->moved = malloc((l->nodes + 1) * sizeof *l->moved);
   l->kept_x = malloc((3 * s->d->state->model.n + 1) * sizeof *l->kept_x);
   l->before = malloc((3 * s->d->state->model.n + 1) * sizeof *l->before);
-  return l->node && l->equation && l->term && l->g && l->all && l->moved && l->kept_x && l->before;
+  return l->node && l->equation && l->term && l->pair && l->g && l->all && l->kept_x && l->before;
 }
 
 static void close_search(search *s) {
@@ -252,7 +269,7 @@ static void close_search(search *s) {
 hk_status hk_rigid_links_find(const hk_dynamics *d, const hk_rigid_group *group, size_t count, const uint32_t *of,
                               const bool *kept, size_t bundles, hk_rigid_links **links) {
   const hk_constraints *c = d->constraints;
-  search s = {.d = d, .group = group, .groups = count, .of = of, .kept = kept};
+  search s = {.d = d, .group = group, .groups = count, .of = of, .kept = kept, .all_pairs = true};
   s.blocks = c->riding.given ? c->riding.given : c->blocks;
   s.pair = c->riding.given ? c->riding.pair : c->list.pair;
   *links = NULL;
@@ -260,6 +277,7 @@ hk_status hk_rigid_links_find(const hk_dynamics *d, const hk_rigid_group *group,
   if (status == HK_OK && holds_for_ever(&s) && read_equations(&s) && find_links(&s) && order(&s)) {
     status = open_links(&s, bundles) ? HK_OK : HK_NO_MEMORY;
     for (uint32_t k = 0; k < s.into->nodes && status == HK_OK; k++) fill_node(&s, k);
+    if (!s.all_pairs) s.into->pairs = 0;
     if (status == HK_OK) *links = s.into, s.into = NULL;
   }
   close_search(&s);
@@ -276,25 +294,20 @@ static bool begin(hk_dynamics *d, hk_rigid_links *l, double t, double *x) {
   double(*J)[3] = c->riding.given ? c->riding.J : c->J;
   hk_error before = *d->error;
   l->kept = c->kept = false;
-  hk_riders_follow(c->model, x);
-  if (hk_dynamics_set_time(d, t) != HK_OK || hk_constraint_gradients(d, t, x, x + 3 * n, J) != HK_OK) {
+  if (!l->pairs) hk_riders_follow(c->model, x);
+  if (hk_dynamics_set_time(d, t) != HK_OK || (!l->pairs && hk_constraint_gradients(d, t, x, x + 3 * n, J) != HK_OK)) {
     *d->error = before; /* the general way meets it again, and says so */
     return false;
   }
-  hk_rigid_tree_place(l->node, l->nodes, l->term, l->terms, x, J);
+  if (l->pairs)
+    hk_rigid_pairs_place(d->shared->lanes, l->node, l->nodes, l->pair, l->pairs, x);
+  else
+    hk_rigid_tree_place(d->shared->lanes, l->node, l->nodes, l->term, l->terms, x, J);
   if (!hk_rigid_tree_factorize(d->shared->lanes, l->node, l->nodes)) return false;
   memcpy(l->kept_x, x, 3 * n * sizeof *x);
   l->kept_t = t;
   l->kept = true;
   return true;
-}
-
-static double extent(const hk_rigid_links *l, const double *x) {
-  double most = 0;
-  for (size_t k = 0; k < l->nodes; k++)
-    for (int i = 0; i < l->node[k].size; i++)
-      for (size_t c = 0; c < 3; c++) most = fmax(most, fabs(x[3 * (size_t)l->node[k].particle[i] + c]));
-  return most;
 }
 
 static void take_larger(double *most, double g) {
@@ -311,25 +324,26 @@ static double look(hk_dynamics *d, hk_rigid_links *l, const hk_rigid_bundle *bun
   for (size_t k = 0; k < bundles; k++)
     take_larger(&left,
                 hk_rigid_bundle_round(d->shared->lanes, &bundle[k], s->from, s->x, l->all + 6 * HK_RIGID_BUNDLE * k));
-  hk_riders_follow(c->model, s->x);
-  if (hk_constraint_value(d, s->t, s->x, s->v) != HK_OK) {
-    *d->error = before;
-    return NAN;
+  if (l->pairs) {
+    hk_rigid_pairs_value(d->shared->lanes, l->pair, l->pairs, s->x, l->g);
+  } else {
+    hk_riders_follow(c->model, s->x);
+    if (hk_constraint_value(d, s->t, s->x, s->v) != HK_OK) {
+      *d->error = before;
+      return NAN;
+    }
+    for (size_t r = 0; r < l->rows; r++) l->g[r] = c->g[l->equation[r]];
   }
-  for (size_t r = 0; r < l->rows; r++) {
-    l->g[r] = c->g[l->equation[r]];
-    take_larger(&left, l->g[r]);
-  }
+  for (size_t r = 0; r < l->rows; r++) take_larger(&left, l->g[r]);
   return left;
 }
 
 static void move_links(hk_dynamics *d, hk_rigid_links *l, double *x) {
   for (size_t k = 0; k < l->nodes; k++) memset(l->node[k].wrench, 0, sizeof l->node[k].wrench);
   hk_rigid_tree_solve(d->shared->lanes, l->node, l->nodes, l->g);
-  for (size_t k = 0; k < l->nodes; k++) {
-    hk_rigid_node_turn(&l->node[k], l->node[k].twist, 1, x);
-    for (int c = 0; c < 6; c++) l->moved[k][c] += l->node[k].twist[c];
-  }
+  for (size_t k = 0; k < l->nodes; k++)
+    for (int c = 0; c < HK_RIGID_ROWS; c++) l->node[k].moved[c] += l->node[k].twist[c];
+  hk_rigid_tree_turn(d->shared->lanes, l->node, l->nodes, 1, x);
 }
 
 /* What the rounds have moved, over h, goes into the velocities at their end, all together. Riders are put where they
@@ -338,17 +352,17 @@ static void push(hk_dynamics *d, const hk_rigid_links *l, const hk_rigid_bundle 
                  const hk_rattle_step *s) {
   for (size_t k = 0; k < bundles; k++)
     hk_rigid_bundle_push(d->shared->lanes, &bundle[k], s->from, l->all + 6 * HK_RIGID_BUNDLE * k, 1 / s->h, s->v);
-  for (size_t k = 0; k < l->nodes; k++) hk_rigid_node_turn(&l->node[k], l->moved[k], 1 / s->h, s->v);
+  hk_rigid_tree_push(d->shared->lanes, l->node, l->nodes, 1 / s->h, s->v);
 }
 
 bool hk_rigid_links_shake(hk_dynamics *d, hk_rigid_links *l, const hk_rigid_bundle *bundle, size_t bundles,
                           const hk_rattle_step *s) {
-  double last = INFINITY, size = extent(l, s->x);
+  double last = INFINITY, size = hk_rigid_tree_extent(l->node, l->nodes, s->x);
   bool arrived = false;
   int slowly = 0;
   if (!begin(d, l, s->t_from, s->from)) return false;
   memset(l->all, 0, 6 * HK_RIGID_BUNDLE * bundles * sizeof *l->all);
-  memset(l->moved, 0, l->nodes * sizeof *l->moved);
+  for (size_t k = 0; k < l->nodes; k++) memset(l->node[k].moved, 0, sizeof l->node[k].moved);
   memcpy(l->before, s->x, 3 * d->state->model.n * sizeof *s->x);
   hk_status status = hk_dynamics_set_time(d, s->t);
   for (int round = 0; round < ROUNDS && status == HK_OK && !arrived && slowly < PATIENCE; round++) {
@@ -371,13 +385,11 @@ bool hk_rigid_links_shake(hk_dynamics *d, hk_rigid_links *l, const hk_rigid_bund
 bool hk_rigid_links_rattle(hk_dynamics *d, hk_rigid_links *l, double t, double *x, double *v) {
   if (!begin(d, l, t, x)) return false;
   for (size_t r = 0; r < l->rows; r++) l->g[r] = 0;
-  for (size_t k = 0; k < l->nodes; k++) hk_rigid_node_take(&l->node[k], v);
+  hk_rigid_tree_take(d->shared->lanes, l->node, l->nodes, v);
   hk_rigid_tree_solve(d->shared->lanes, l->node, l->nodes, l->g);
-  for (size_t k = 0; k < l->nodes; k++) {
-    const hk_rigid_node *n = &l->node[k];
+  for (const hk_rigid_node *n = l->node; n < l->node + l->nodes; n++)
     for (int i = 0; i < n->size; i++) memset(v + 3 * (size_t)n->particle[i], 0, 3 * sizeof *v);
-    hk_rigid_node_turn(n, n->twist, 1, v);
-  }
+  hk_rigid_tree_turn(d->shared->lanes, l->node, l->nodes, 1, v);
   hk_riders_follow(d->constraints->model, v);
   return true;
 }

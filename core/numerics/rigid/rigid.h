@@ -1,5 +1,5 @@
-/* Groups of two to four particles at fixed distances, eight side by side, their steps and their factors; and rigid
- * bodies that links join as trees. */
+/* Groups of two to four particles at fixed distances, eight side by side, their steps and their factors; rigid bodies
+ * that links join as trees; and links that are distances and differences of points of bodies. */
 #ifndef HK_RIGID_BUNDLES_H
 #define HK_RIGID_BUNDLES_H
 
@@ -58,16 +58,17 @@ typedef struct hk_rigid_node {
   int size;              /* particles, 1 to 4 */
   uint32_t particle[4];
   double mass[4];  /* kg */
-  double at[4][3]; /* m, from the centre of mass */
-  /* Of each equation the wrench of its gradient on this body, J, and on the parent, J'. Once factorized, with A = L D
-   * L^T of the body and what hangs on it, K = J A^-1 J^T = G E G^T of the link: L^-1 J^T and G^-1 J', and both
-   * transposed. */
+  double at[4][4]; /* m, from the centre of mass; the last is of no use */
+  /* Of each equation the wrench of its gradient on this body as a column of own_across, J^T, and on the parent as a row
+   * of other, J'. Once factorized, with A = L D L^T of the body and what hangs on it, K = J A^-1 J^T = G E G^T of the
+   * link: L^-1 J^T and G^-1 J', and both transposed. */
   hk_rigid_rows own, other, own_across, other_across;
   hk_rigid_rows body, link; /* A, kg and kg m^2; once factorized, column k of L and of G in row k */
   double body_pivot[HK_RIGID_ROWS], link_pivot[HK_RIGID_ROWS]; /* 1/D, 1/E */
   double wrench[HK_RIGID_ROWS];                                /* given: what acts, or mass times a way */
   double body_part[HK_RIGID_ROWS], link_part[HK_RIGID_ROWS];   /* scratch of a solution */
   double twist[HK_RIGID_ROWS];                                 /* the solution */
+  double moved[HK_RIGID_ROWS];                                 /* a sum of solutions */
 } hk_rigid_node;
 
 /* A block of an equation of the link of a node: its gradient with respect to a particle or rider of the node's body or,
@@ -77,16 +78,40 @@ typedef struct hk_rigid_term {
   bool other;
 } hk_rigid_term;
 
-/* Nodes of bodies whose particles are at x, n x 3, with the gradients J of blocks. */
-void hk_rigid_tree_place(hk_rigid_node *, size_t count, const hk_rigid_term *, size_t terms, const double *x,
+/* Of nodes whose particles are at x, n x 3, what does not depend on links; their gradients are 0. */
+void hk_rigid_bodies_place(int width, hk_rigid_node *, size_t count, const double *x);
+/* The same, with the gradients J of blocks. */
+void hk_rigid_tree_place(int width, hk_rigid_node *, size_t count, const hk_rigid_term *, size_t terms, const double *x,
                          double (*J)[3]);
 /* `wrench` becomes the momentum of velocities v, n x 3, and the angular momentum about the centre of mass. */
-void hk_rigid_node_take(hk_rigid_node *, const double *v);
-/* vector, n x 3, += `by` times the motion of the body's particles by a twist. */
-void hk_rigid_node_turn(const hk_rigid_node *, const double twist[6], double by, double *vector);
+void hk_rigid_tree_take(int width, hk_rigid_node *, size_t count, const double *v);
+/* vector, n x 3, += `by` times the motion of the bodies' particles by their twists, or by their `moved`. */
+void hk_rigid_tree_turn(int width, const hk_rigid_node *, size_t count, double by, double *vector);
+void hk_rigid_tree_push(int width, const hk_rigid_node *, size_t count, double by, double *vector);
+/* The largest coordinate of the bodies' particles, m. */
+double hk_rigid_tree_extent(const hk_rigid_node *, size_t count, const double *x);
 /* The factors of all nodes, which have been placed; false: equations of a link follow from others. */
 bool hk_rigid_tree_factorize(int width, hk_rigid_node *, size_t count);
 /* The twists u that make u.M u/2 - wrench.u least among those with J u = -g, where g has a number for each row. */
 void hk_rigid_tree_solve(int width, hk_rigid_node *, size_t count, const double *g);
+
+/* ---- pairs.c: links that are distances and differences of points ---- */
+
+/* Two points, each a combination of four particles, and the equations of the link of a node that they are in: that
+ * their distance |d| is a length, g = length - |d|, or that their difference d = x_1 - x_0 is one, g = d - length. */
+typedef struct hk_rigid_pair {
+  uint32_t node, row;                       /* its first equation among those of the link */
+  size_t equation;                          /* and in a list of all equations of links */
+  bool distance;                            /* one equation; otherwise three */
+  enum { HK_OWN, HK_OTHER, HK_HELD } of[2]; /* points of the node's body, of its parent, or that do not move */
+  size_t at[2][4];                          /* where the coordinates of the points' particles are in a list of all */
+  double weight[2][4], length[3];           /* m; of a distance the first */
+} hk_rigid_pair;
+
+/* g of all equations of pairs, m, at x, n x 3. */
+void hk_rigid_pairs_value(int width, const hk_rigid_pair *, size_t count, const double *x, double *g);
+/* As hk_rigid_tree_place, of links that are pairs. */
+void hk_rigid_pairs_place(int width, hk_rigid_node *, size_t count, const hk_rigid_pair *, size_t pairs,
+                          const double *x);
 
 #endif

@@ -27,102 +27,133 @@ typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* ---- a body ---- */
 
-static void add_inertia(hk_rigid_node *n, int k, double into[6]) {
-  const double *r = n->at[k], w = n->mass[k];
-  into[0] += w * (r[1] * r[1] + r[2] * r[2]);
-  into[1] -= w * r[0] * r[1];
-  into[2] += w * (r[0] * r[0] + r[2] * r[2]);
-  into[3] -= w * r[0] * r[2];
-  into[4] -= w * r[1] * r[2];
-  into[5] += w * (r[0] * r[0] + r[1] * r[1]);
+/* About the centre of mass. */
+HK_INLINE void find_inertia(hk_rigid_node *n, double mass) {
+  four sum[3] = {{0}, {0}, {0}}; /* of m r r^T */
+  double(*A)[HK_RIGID_ROWS] = n->body + 3;
+  for (int k = 0; k < n->size; k++) {
+    const four r = *(const four *)n->at[k], by = n->mass[k] * r;
+    for (int c = 0; c < 3; c++) sum[c] += by[c] * r;
+  }
+  if (n->size <= 2) {
+    double about = n->size == 2 ? sum[0][0] + sum[1][1] + sum[2][2] : mass;
+    for (int c = 0; c < 3; c++) A[c][3 + c] = about;
+    return;
+  }
+  A[0][3] = sum[1][1] + sum[2][2];
+  A[1][4] = sum[0][0] + sum[2][2];
+  A[2][5] = sum[0][0] + sum[1][1];
+  A[0][4] = A[1][3] = -sum[0][1];
+  A[0][5] = A[2][3] = -sum[0][2];
+  A[1][5] = A[2][4] = -sum[1][2];
 }
 
-/* About the centre of mass: xx, yx, yy, zx, zy, zz. */
-static void find_inertia(hk_rigid_node *n, double mass, double I[6]) {
-  memset(I, 0, 6 * sizeof *I);
-  for (int k = 0; k < n->size; k++) add_inertia(n, k, I);
-  if (n->size > 2) return;
-  double about = n->size == 2 ? (I[0] + I[2] + I[5]) / 2 : mass;
-  I[1] = I[3] = I[4] = 0;
-  I[0] = I[2] = I[5] = about;
-}
+/* (x, y, z, z) */
+#define HK_VECTOR(of) __builtin_shufflevector(*(const two *)(of), ((two){(of)[2], (of)[2]}), 0, 1, 2, 3)
 
-static void place(hk_rigid_node *n, const double *x) {
-  double mass = 0, center[3] = {0, 0, 0}, I[6];
+HK_INLINE void place(hk_rigid_node *n, const double *x) {
+  double mass = 0;
+  four center = {0};
   const double *from = x + 3 * (size_t)n->particle[0];
   for (int k = 0; k < n->size; k++) {
+    const double *at = x + 3 * (size_t)n->particle[k];
+    const four r = HK_VECTOR(at) - HK_VECTOR(from);
+    *(four *)n->at[k] = r;
     mass += n->mass[k];
-    for (int c = 0; c < 3; c++) {
-      n->at[k][c] = x[3 * (size_t)n->particle[k] + (size_t)c] - from[c];
-      center[c] += n->mass[k] * n->at[k][c];
-    }
+    center += n->mass[k] * r;
   }
-  for (int k = 0; k < n->size; k++)
-    for (int c = 0; c < 3; c++) n->at[k][c] -= center[c] / mass;
-  find_inertia(n, mass, I);
-  memset(n->own, 0, sizeof n->own);
+  center /= mass;
+  for (int k = 0; k < n->size; k++) *(four *)n->at[k] -= center;
+  memset(n->own_across, 0, sizeof n->own_across);
   memset(n->other, 0, sizeof n->other);
   memset(n->body, 0, sizeof n->body);
   for (int c = 0; c < 3; c++) n->body[c][c] = mass;
-  for (int p = 0, at = 0; p < 3; p++)
-    for (int q = 0; q <= p; q++) n->body[3 + p][3 + q] = n->body[3 + q][3 + p] = I[at++];
+  find_inertia(n, mass);
 }
 
-/* Adds the wrench of the force J at the place `at`. */
-static void add_wrench(const hk_rigid_node *n, const double *x, const double *at, const double J[3], double *row) {
+/* Adds the wrench of the force J at the place `at` to the numbers of a row that are `apart`. */
+static void add_wrench(const hk_rigid_node *n, const double *x, const double *at, const double J[3], double *row,
+                       size_t apart) {
   const double *first = x + 3 * (size_t)n->particle[0];
   double r[3];
   for (int c = 0; c < 3; c++) r[c] = at[c] - first[c] + n->at[0][c];
-  for (int c = 0; c < 3; c++) row[c] += J[c];
-  row[3] += r[1] * J[2] - r[2] * J[1];
-  row[4] += r[2] * J[0] - r[0] * J[2];
-  row[5] += r[0] * J[1] - r[1] * J[0];
+  for (size_t c = 0; c < 3; c++) row[c * apart] += J[c];
+  row[3 * apart] += r[1] * J[2] - r[2] * J[1];
+  row[4 * apart] += r[2] * J[0] - r[0] * J[2];
+  row[5 * apart] += r[0] * J[1] - r[1] * J[0];
 }
 
-void hk_rigid_tree_place(hk_rigid_node *list, size_t count, const hk_rigid_term *term, size_t terms, const double *x,
-                         double (*J)[3]) {
-  for (size_t k = 0; k < count; k++) place(&list[k], x);
+HK_VERSIONS(static void, place_any, (hk_rigid_node * list, size_t count, const double *x),
+            for (hk_rigid_node *n = list; n < list + count; n++) place(n, x))
+
+void hk_rigid_bodies_place(int width, hk_rigid_node *list, size_t count, const double *x) {
+  HK_WIDEST(width, place_any)(list, count, x);
+}
+
+void hk_rigid_tree_place(int width, hk_rigid_node *list, size_t count, const hk_rigid_term *term, size_t terms,
+                         const double *x, double (*J)[3]) {
+  hk_rigid_bodies_place(width, list, count, x);
   for (const hk_rigid_term *e = term; e < term + terms; e++) {
     hk_rigid_node *link = &list[e->node];
-    const hk_rigid_node *body = e->other ? &list[link->parent] : link;
-    add_wrench(body, x, x + 3 * (size_t)e->particle, J[e->block], (e->other ? link->other : link->own)[e->row]);
+    const double *at = x + 3 * (size_t)e->particle;
+    if (e->other)
+      add_wrench(&list[link->parent], x, at, J[e->block], link->other[e->row], 1);
+    else
+      add_wrench(link, x, at, J[e->block], &link->own_across[0][e->row], HK_RIGID_ROWS);
   }
 }
 
-void hk_rigid_node_turn(const hk_rigid_node *n, const double twist[6], double by, double *vector) {
+/* Of (x, y, z, any): with p, q, r = 1, 2, 0 (y, z, x, any), with 2, 0, 1 (z, x, y, any). */
+#define HK_ROTATED(a, p, q, r) __builtin_shufflevector(a, a, p, q, r, 3)
+
+/* vector += by (u + w x r) of each particle */
+HK_INLINE void turn(const hk_rigid_node *n, const double *twist, double by, double *vector) {
   const double *w = twist + 3;
+  const four u = {twist[0], twist[1], twist[2], 0}, wy = {w[1], w[2], w[0], 0}, wz = {w[2], w[0], w[1], 0};
   for (int k = 0; k < n->size; k++) {
-    const double *r = n->at[k];
+    const four r = *(const four *)n->at[k];
+    const four way = by * (u + (wy * HK_ROTATED(r, 2, 0, 1) - wz * HK_ROTATED(r, 1, 2, 0)));
     double *to = vector + 3 * (size_t)n->particle[k];
-    to[0] += by * (twist[0] + (w[1] * r[2] - w[2] * r[1]));
-    to[1] += by * (twist[1] + (w[2] * r[0] - w[0] * r[2]));
-    to[2] += by * (twist[2] + (w[0] * r[1] - w[1] * r[0]));
+    *(two *)to += __builtin_shufflevector(way, way, 0, 1);
+    to[2] += way[2];
   }
 }
 
-void hk_rigid_node_take(hk_rigid_node *n, const double *v) {
-  double *p = n->wrench, *L = p + 3;
-  memset(p, 0, sizeof n->wrench);
+/* The momentum sum m u and the angular momentum sum r x m u. */
+HK_INLINE void take(hk_rigid_node *n, const double *v) {
+  four p = {0}, L = {0};
   for (int k = 0; k < n->size; k++) {
-    const double *r = n->at[k], *u = v + 3 * (size_t)n->particle[k];
-    double w = n->mass[k];
-    for (int c = 0; c < 3; c++) p[c] += w * u[c];
-    L[0] += w * (r[1] * u[2] - r[2] * u[1]);
-    L[1] += w * (r[2] * u[0] - r[0] * u[2]);
-    L[2] += w * (r[0] * u[1] - r[1] * u[0]);
+    const double *of = v + 3 * (size_t)n->particle[k];
+    const four r = *(const four *)n->at[k], u = HK_VECTOR(of);
+    p += n->mass[k] * u;
+    L += n->mass[k] *
+         (HK_ROTATED(r, 1, 2, 0) * HK_ROTATED(u, 2, 0, 1) - HK_ROTATED(r, 2, 0, 1) * HK_ROTATED(u, 1, 2, 0));
   }
+  for (int c = 0; c < 3; c++) n->wrench[c] = p[c], n->wrench[3 + c] = L[c];
+}
+
+HK_VERSIONS(static void, take_any, (hk_rigid_node * list, size_t count, const double *v),
+            for (hk_rigid_node *n = list; n < list + count; n++) take(n, v))
+
+void hk_rigid_tree_take(int width, hk_rigid_node *list, size_t count, const double *v) {
+  HK_WIDEST(width, take_any)(list, count, v);
+}
+
+double hk_rigid_tree_extent(const hk_rigid_node *list, size_t count, const double *x) {
+  double most[3] = {0, 0, 0};
+  for (const hk_rigid_node *n = list; n < list + count; n++)
+    for (int k = 0; k < n->size; k++)
+      for (size_t c = 0; c < 3; c++) {
+        double size = fabs(x[3 * (size_t)n->particle[k] + c]);
+        most[c] = size > most[c] ? size : most[c];
+      }
+  return fmax(fmax(most[0], most[1]), most[2]);
 }
 
 /* ---- factors ---- */
 
 HK_INLINE four *head(double *row) { return (four *)row; }
 HK_INLINE two *tail(double *row) { return (two *)(row + 4); }
-
-/* to += by of */
-HK_INLINE void add_row(double *to, double by, double *of) {
-  *head(to) += by * *head(of);
-  *tail(to) += by * *tail(of);
-}
 
 /* to += the sum of b[k] times row k */
 HK_INLINE void add_rows(int count, hk_rigid_rows rows, const double *b, double *to) {
@@ -133,38 +164,77 @@ HK_INLINE void add_rows(int count, hk_rigid_rows rows, const double *b, double *
   *tail(to) = last;
 }
 
+/* to += the sum of from[k][q] times row k */
+HK_INLINE void add_column(int count, hk_rigid_rows from, int q, hk_rigid_rows rows, double *to) {
+  four first = *head(to);
+  two last = *tail(to);
+  for (int k = 0; k < count; k++) first += from[k][q] * *head(rows[k]), last += from[k][q] * *tail(rows[k]);
+  *head(to) = first;
+  *tail(to) = last;
+}
+
+/* The same, subtracted. */
+HK_INLINE void remove_column(int count, hk_rigid_rows from, int q, hk_rigid_rows rows, double *to) {
+  four first = *head(to);
+  two last = *tail(to);
+  for (int k = 0; k < count; k++) first -= from[k][q] * *head(rows[k]), last -= from[k][q] * *tail(rows[k]);
+  *head(to) = first;
+  *tail(to) = last;
+}
+
+HK_INLINE void scale_rows(int count, hk_rigid_rows from, const double *by, hk_rigid_rows to) {
+  for (int k = 0; k < count; k++) *head(to[k]) = by[k] * *head(from[k]), *tail(to[k]) = by[k] * *tail(from[k]);
+}
+
+/* A call for each row below n, with its number as a constant, so that what it does with the rows before or behind it is
+ * unrolled. */
+#define HK_FORWARD(n, call, ...)                                                                                       \
+  do {                                                                                                                 \
+    call(0, __VA_ARGS__);                                                                                              \
+    if ((n) > 1) call(1, __VA_ARGS__);                                                                                 \
+    if ((n) > 2) call(2, __VA_ARGS__);                                                                                 \
+    if ((n) > 3) call(3, __VA_ARGS__);                                                                                 \
+    if ((n) > 4) call(4, __VA_ARGS__);                                                                                 \
+    if ((n) > 5) call(5, __VA_ARGS__);                                                                                 \
+  } while (0)
+
+/* Row q of A, with rows before it as they were before their division by the pivots, `whole`. */
+HK_INLINE void factorize_row(int q, hk_rigid_rows A, hk_rigid_rows whole, double *pivot, bool *fine) {
+  double own = A[q][q];
+  remove_column(q, whole, q, A, A[q]);
+  *head(whole[q]) = *head(A[q]);
+  *tail(whole[q]) = *tail(A[q]);
+  *fine &= A[q][q] > dependent * own;
+  pivot[q] = 1 / A[q][q];
+  *head(A[q]) *= pivot[q];
+  *tail(A[q]) *= pivot[q];
+}
+
 /* Of the symmetric A, n x n: column k of its unit lower triangle in row k, and the reciprocals of its pivots. */
 HK_INLINE bool factorize_rows(int n, hk_rigid_rows A, double *pivot) {
   bool fine = true;
-  double found[HK_RIGID_ROWS];
-  for (int q = 0; q < n; q++) {
-    double own = A[q][q];
-    for (int k = 0; k < q; k++) add_row(A[q], -A[k][q] * found[k], A[k]);
-    found[q] = A[q][q];
-    fine &= found[q] > dependent * own;
-    pivot[q] = 1 / found[q];
-    *head(A[q]) *= pivot[q];
-    *tail(A[q]) *= pivot[q];
-  }
+  hk_rigid_rows whole;
+  HK_FORWARD(n, factorize_row, A, whole, pivot, &fine);
   return fine;
 }
 
 /* b := L^-1 b, of numbers and of rows. */
-HK_INLINE void lower(int n, hk_rigid_rows L, double *b) {
-  for (int q = 1; q < n; q++)
-    for (int k = 0; k < q; k++) b[q] -= L[k][q] * b[k];
+HK_INLINE void lower_row(int q, hk_rigid_rows L, double *b) {
+  for (int k = 0; k < q; k++) b[q] -= L[k][q] * b[k];
 }
 
-HK_INLINE void lower_rows(int n, hk_rigid_rows L, hk_rigid_rows b) {
-  for (int q = 1; q < n; q++)
-    for (int k = 0; k < q; k++) add_row(b[q], -L[k][q], b[k]);
-}
+HK_INLINE void lower(int n, hk_rigid_rows L, double *b) { HK_FORWARD(n, lower_row, L, b); }
+
+HK_INLINE void lower_row_of_rows(int q, hk_rigid_rows L, hk_rigid_rows b) { remove_column(q, L, q, b, b[q]); }
+
+HK_INLINE void lower_rows(int n, hk_rigid_rows L, hk_rigid_rows b) { HK_FORWARD(n, lower_row_of_rows, L, b); }
 
 /* b := L^-T b */
-HK_INLINE void upper(int n, hk_rigid_rows L, double *b) {
-  for (int k = n - 2; k >= 0; k--)
-    for (int q = k + 1; q < n; q++) b[k] -= L[k][q] * b[q];
+HK_INLINE void upper_row(int up, int n, hk_rigid_rows L, double *b) {
+  for (int q = n - up, k = q - 1; q < n; q++) b[k] -= L[k][q] * b[q];
 }
+
+HK_INLINE void upper(int n, hk_rigid_rows L, double *b) { HK_FORWARD(n, upper_row, n, L, b); }
 
 HK_INLINE void transpose(int n, hk_rigid_rows from, int m, hk_rigid_rows to) {
   for (int c = 0; c < m; c++)
@@ -173,24 +243,22 @@ HK_INLINE void transpose(int n, hk_rigid_rows from, int m, hk_rigid_rows to) {
 
 /* ---- from the leaves to the roots, and back ---- */
 
+#define HK_ADD_SQUARE(q, count, from, part, to) add_column(count, from, q, part, (to)[q])
+
 /* What an eliminated link leaves to the parent: the sum of its rows' squares over the pivots. */
 HK_INLINE void add_to_parent(hk_rigid_node *n, hk_rigid_node *parent, int rows) {
-  for (int p = 0; p < 6; p++) {
-    double part[HK_RIGID_ROWS];
-    for (int r = 0; r < rows; r++) part[r] = n->other_across[p][r] * n->link_pivot[r];
-    add_rows(rows, n->other, part, parent->body[p]);
-  }
+  hk_rigid_rows part;
+  scale_rows(rows, n->other, n->link_pivot, part);
+  HK_FORWARD(6, HK_ADD_SQUARE, rows, n->other, part, parent->body);
 }
 
 HK_INLINE bool factorize_link(hk_rigid_node *n, hk_rigid_node *parent, int rows) {
-  transpose(rows, n->own, 6, n->own_across);
+  hk_rigid_rows part;
   lower_rows(6, n->body, n->own_across);
   transpose(6, n->own_across, rows, n->own);
-  for (int r = 0; r < rows; r++) {
-    double part[HK_RIGID_ROWS];
-    for (int c = 0; c < 6; c++) part[c] = n->own[r][c] * n->body_pivot[c], n->link[r][c] = 0;
-    add_rows(6, n->own_across, part, n->link[r]);
-  }
+  scale_rows(6, n->own_across, n->body_pivot, part);
+  memset(n->link, 0, sizeof n->link);
+  HK_FORWARD(rows, HK_ADD_SQUARE, 6, n->own_across, part, n->link);
   if (!factorize_rows(rows, n->link, n->link_pivot)) return false;
   if (!parent) return true;
   lower_rows(rows, n->link, n->other);
@@ -248,19 +316,36 @@ HK_INLINE bool factorize(hk_rigid_node *list, size_t count) {
 
 HK_INLINE void solve(hk_rigid_node *list, size_t count, const double *g) {
   for (hk_rigid_node *n = list + count; n-- > list;) {
-    memcpy(n->body_part, n->wrench, sizeof n->body_part);
-    lower(6, n->body, n->body_part);
+    double part[HK_RIGID_ROWS];
+    memcpy(part, n->wrench, sizeof part);
+    lower(6, n->body, part);
+    memcpy(n->body_part, part, sizeof part);
     if (n->rows) HK_EACH_ROWS(HK_GATHER, n, parent_of(list, n), g + n->row);
   }
   for (hk_rigid_node *n = list; n < list + count; n++) {
     if (n->rows) HK_EACH_ROWS(spread_link, n, parent_of(list, n));
-    for (int c = 0; c < 6; c++) n->twist[c] = n->body_part[c] * n->body_pivot[c];
-    upper(6, n->body, n->twist);
+    double part[HK_RIGID_ROWS];
+    for (int c = 0; c < 6; c++) part[c] = n->body_part[c] * n->body_pivot[c];
+    upper(6, n->body, part);
+    memcpy(n->twist, part, sizeof part);
   }
 }
 
 HK_VERSIONS(static bool, factorize_any, (hk_rigid_node * list, size_t count), return factorize(list, count))
 HK_VERSIONS(static void, solve_any, (hk_rigid_node * list, size_t count, const double *g), solve(list, count, g))
+
+HK_VERSIONS(static void, turn_any, (const hk_rigid_node *list, size_t count, double by, double *vector),
+            for (const hk_rigid_node *n = list; n < list + count; n++) turn(n, n->twist, by, vector))
+HK_VERSIONS(static void, push_any, (const hk_rigid_node *list, size_t count, double by, double *vector),
+            for (const hk_rigid_node *n = list; n < list + count; n++) turn(n, n->moved, by, vector))
+
+void hk_rigid_tree_turn(int width, const hk_rigid_node *list, size_t count, double by, double *vector) {
+  HK_WIDEST(width, turn_any)(list, count, by, vector);
+}
+
+void hk_rigid_tree_push(int width, const hk_rigid_node *list, size_t count, double by, double *vector) {
+  HK_WIDEST(width, push_any)(list, count, by, vector);
+}
 
 bool hk_rigid_tree_factorize(int width, hk_rigid_node *list, size_t count) {
   return HK_WIDEST(width, factorize_any)(list, count);

@@ -91,6 +91,17 @@ static size_t place_of(const hk_solid_matrix *m, uint32_t a, uint32_t b) {
   return low - m->start[a];
 }
 
+/* block += A^T B, of the columns of A from i and those of B from j. */
+static void add_product(double *block, const double (*A)[HK_SOLID_ROWS], size_t i, const double (*B)[HK_SOLID_ROWS],
+                        size_t j) {
+  double sum[9];
+  memcpy(sum, block, sizeof sum);
+  for (size_t r = 0; r < 3; r++)
+    for (size_t p = 0; p < 3; p++)
+      for (size_t q = 0; q < 3; q++) sum[3 * p + q] += A[r][i + p] * B[r][j + q];
+  memcpy(block, sum, sizeof sum);
+}
+
 /* The 3 x 3 block in row 2 a + i and column 2 b + j. */
 static double *block_at(hk_solid_matrix *m, uint32_t a, uint32_t b, size_t i, size_t j) {
   return m->value + 9 * (m->row_start[2 * (size_t)a + i] + 2 * place_of(m, a, b) + j);
@@ -111,10 +122,10 @@ void hk_solid_matrix_add(hk_solid_matrix *m, const hk_solid_sides *s, const doub
       for (int c = 0; c < HK_SOLID_ROWS; c++)
         CJ[r][c] = C[3 * r] * s->J[t][0][c] + C[3 * r + 1] * s->J[t][1][c] + C[3 * r + 2] * s->J[t][2][c];
     for (int u = 0; u < 2; u++)
-      for (size_t q = 0; q < 4 && s->solid[u] != UINT32_MAX; q++) {
-        double *block = block_at(m, s->solid[u], s->solid[t], q / 2, q % 2);
-        for (size_t e = 0; e < 9; e++)
-          for (int r = 0; r < 3; r++) block[e] += s->J[u][r][3 * (q / 2) + e / 3] * CJ[r][3 * (q % 2) + e % 3];
+      for (size_t i = 0; i < 2 && s->solid[u] != UINT32_MAX; i++) {
+        double *block = block_at(m, s->solid[u], s->solid[t], i, 0);
+        for (size_t j = 0; j < 2; j++)
+          add_product(block + 9 * j, s->J[u], 3 * i, (const double(*)[HK_SOLID_ROWS])CJ, 3 * j);
       }
   }
 }

@@ -5,6 +5,8 @@
 #include "plugins/common/space/reserve.h"
 #include "plugins/kit/vector3.h"
 
+#include "core/plugin/widest.h"
+
 #include <string.h>
 
 enum { FEW_MEMBERS = 64 /* of a body whose columns are kept */ };
@@ -174,10 +176,13 @@ static hk_status find_carrier(hk_body_impacts *s, uint32_t carrier, const double
 }
 
 /* to += the weighted sum of four arrays of `count` numbers. */
-static void add_four(const double *const from[4], const double weight[4], size_t count, double *to) {
+HK_INLINE void add_four_arrays(const double *const from[4], const double weight[4], size_t count, double *restrict to) {
   const double *a = from[0], *b = from[1], *c = from[2], *d = from[3];
   for (size_t e = 0; e < count; e++) to[e] += weight[0] * a[e] + weight[1] * b[e] + weight[2] * c[e] + weight[3] * d[e];
 }
+
+HK_VERSIONS(static void, add_four, (const double *const from[4], const double weight[4], size_t count, double *to),
+            add_four_arrays(from, weight, count, to))
 
 static hk_status add_carriers(hk_body_impacts *s, const hk_body_response *r, const hk_weighted_point *point,
                               const double *inverse_mass) {
@@ -189,7 +194,7 @@ static hk_status add_carriers(hk_body_impacts *s, const hk_body_response *r, con
   }
   while (s->particle[at] != list[0]) at++;
   const double *const from[4] = {s->block[first[0]], s->block[first[1]], s->block[first[2]], s->block[first[3]]};
-  add_four(from, point->weight, 9 * count, s->block[at]);
+  HK_WIDEST(s->host->lanes, add_four)(from, point->weight, 9 * count, s->block[at]);
   return HK_OK;
 }
 

@@ -1,4 +1,5 @@
-/* Rigid groups that links join as trees move as where all equations are solved together, to rounding; to the same bits
+/* Rigid groups that links join as trees move as where all equations are solved together, to rounding, whether links are
+ * pairs of points or others, too; to the same bits
  * for any width of vectors and number of threads; long steps, and links that form a loop, go over to the other way. */
 #include "core/numerics/constraints/constraints.h"
 #include "tests/support/engine.h"
@@ -48,11 +49,13 @@ static uint32_t point(test_engine *e, uint32_t body, double x, double y, double 
   return r.particle;
 }
 
+enum { TREES = 0, LOOP = 1, GUIDE = 2 };
+
 /* Two trees. The first hangs from a pin: bodies in a row, joined by a point, by a point and a distance, and by three
  * distances, with a rod of two particles on a body in its middle, and a particle on a bar at its end.
- * The second is free: a body with two others. Beside them a body that is joined to nothing. `loop`: the first tree's
- * ends are joined, too. */
-static void scene(test_engine *e, bool loop, double spin, double step) {
+ * The second is free: a body with two others. Beside them a body that is joined to nothing. LOOP: the first tree's
+ * ends are joined, too; GUIDE: a point of the last body keeps its way along an edge of another one. */
+static void scene(test_engine *e, int kind, double spin, double step) {
   uint32_t first[BODIES];
   bars.count = welds.count = 0;
   test_engine_open(e);
@@ -68,10 +71,11 @@ static void scene(test_engine *e, bool loop, double spin, double step) {
     uint32_t here = point(e, first[k], 0.6, k == 2 ? 0.4 : 0.1, 0), there = point(e, first[k + 1], -0.4, 0, -0.2);
     add(k == 2 ? &bars : &welds, here, there);
     for (int n = 0; n < k; n++)
-      add(&bars, point(e, first[k], 0.6, 0.1 + 0.5 * n, 0.5), point(e, first[k + 1], -0.4 + 0.2 * n, 0.5, -0.2 - 0.3 * n));
+      add(&bars, point(e, first[k], 0.6, 0.1 + 0.5 * n, 0.5),
+          point(e, first[k + 1], -0.4 + 0.2 * n, 0.5, -0.2 - 0.3 * n));
   }
   add(&welds, point(e, first[4], 0.5, 0, 0), point(e, first[5], -0.5, 0, -0.2));
-  if (loop) add(&bars, point(e, first[3], 0, 0.2, 0), end);
+  if (kind == LOOP) add(&bars, point(e, first[3], 0, 0.2, 0), end);
   for (size_t i = 0; i < 4 * BODIES; i++) {
     const double *x = e->scene->particles.position + 3 * i;
     double *v = e->scene->particles.velocity + 3 * i;
@@ -79,6 +83,8 @@ static void scene(test_engine *e, bool loop, double spin, double step) {
   }
   test_edges(e, test_plugin(e, HK_CONSTRAINT, "bars"), (const uint32_t(*)[2])bars.pair, bars.count);
   test_edges(e, test_plugin(e, HK_CONSTRAINT, "weld"), (const uint32_t(*)[2])welds.pair, welds.count);
+  const uint32_t way[4] = {first[5], first[6], first[5] + 1, first[5] + 2};
+  if (kind == GUIDE) test_tuples(e, test_plugin(e, HK_CONSTRAINT, "guides"), "points", 4, way, 1);
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, 2, -9.81);
   e->options.integrator = "leapfrog";
   e->scene->dt = step;
@@ -91,13 +97,12 @@ static double violation_of(test_engine *e) {
   return violation;
 }
 
-static void trees_move_as_where_all_is_solved_together(void **state) {
-  (void)state;
+static void compare_ways(int kind) {
   double end[2][6 * MOST];
   size_t size = 0;
   for (int together = 0; together < 2; together++) {
     test_engine e;
-    scene(&e, false, 0.5, 1e-3);
+    scene(&e, kind, 0.5, 1e-3);
     assert_non_null(e.run->dynamics.constraints->groups);
     if (together) hk_rigid_groups_close(e.run->dynamics.constraints);
     size_t before = e.run->dynamics.count.factorizations;
@@ -113,10 +118,20 @@ static void trees_move_as_where_all_is_solved_together(void **state) {
     if (!(fabs(end[0][k] - end[1][k]) < 1e-10)) fail_msg("%zu: %.15g and %.15g", k, end[0][k], end[1][k]);
 }
 
+static void trees_move_as_where_all_is_solved_together(void **state) {
+  (void)state;
+  compare_ways(TREES);
+}
+
+static void trees_with_other_links_do_so_too(void **state) {
+  (void)state;
+  compare_ways(GUIDE);
+}
+
 static void loops_are_solved_together(void **state) {
   (void)state;
   test_engine e;
-  scene(&e, true, 0.5, 1e-3);
+  scene(&e, LOOP, 0.5, 1e-3);
   assert_null(e.run->dynamics.constraints->groups);
   test_advance(&e, 0.01);
   assert_true(violation_of(&e) < 1e-14);
@@ -127,7 +142,7 @@ static void loops_are_solved_together(void **state) {
 static void long_steps_are_solved_together(void **state) {
   (void)state;
   test_engine e;
-  scene(&e, false, 70, 1 / 60.0);
+  scene(&e, TREES, 70, 1 / 60.0);
   assert_non_null(e.run->dynamics.constraints->groups);
   size_t before = e.run->dynamics.count.factorizations;
   test_advance(&e, 2 / 60.0);
@@ -144,7 +159,7 @@ static void results_have_the_same_bits_for_any_width(void **state) {
     test_engine e;
     test_engine_open(&e);
     test_engine_close(&e);
-    scene(&e, false, 0.5, 1e-3);
+    scene(&e, TREES, 0.5, 1e-3);
     hk_run_close(e.run, NULL);
     hk_run_destroy(e.run);
     e.run = NULL;
@@ -161,6 +176,7 @@ static void results_have_the_same_bits_for_any_width(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(trees_move_as_where_all_is_solved_together),
+      cmocka_unit_test(trees_with_other_links_do_so_too),
       cmocka_unit_test(loops_are_solved_together),
       cmocka_unit_test(long_steps_are_solved_together),
       cmocka_unit_test(results_have_the_same_bits_for_any_width),
