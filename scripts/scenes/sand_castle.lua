@@ -22,13 +22,14 @@ end
 local scene = hooke.scene { duration = duration, fps = 30, integrator = "symplectic_euler" }
 scene:channel("water", { initial = 2 })
 scene:channel("tint", { initial = { 0.85, 0.7, 0.45 } }) -- of the sand
+scene:channel("seen", { initial = 0 }) -- as particles: the sea is a surface
 local sea = filling.box { low = low, high = { gate, high[2], wave }, cell = cell, density = density }
 local sand = filling.box { low = { at[1] - 0.14, at[2] - 0.14, 0 }, high = { at[1] + 0.14, at[2] + 0.14, 0.16 }, cell = cell,
   density = density, inside = castle }
 local ids = scene:particles { positions = sea.positions, mass = sea.mass, group = "sea" }:ids()
 local grains = {}
 for k, p in ipairs(sand.positions) do
-  grains[k] = scene:particle { position = p, mass = sand.mass, group = "sand", water = -0.3 }
+  grains[k] = scene:particle { position = p, mass = sand.mass, group = "sand", water = -0.3, seen = 1 }
   ids[#ids + 1] = grains[k]
 end
 local law = { solidus = 300, liquidus = 301, latent = 1, capacity = 1 } -- by which 1 K stands for a content of 1
@@ -56,6 +57,6 @@ scene:measure("balance", function(s) -- kg: the content of all by their masses, 
   for k, id in ipairs(ids) do sum = sum + (k > #sea.positions and sand.mass or sea.mass) * s:channel("water", id) end
   return sum
 end)
-scene:output("frames", { surface = 0.3 * cell, surface_of = "sea", color = "tint", radius = 0.32 * cell, obstacles = false,
-  from = { 1.25, -0.85, 0.6 }, look_at = { 0.5, 0.16, 0.05 }, ground_height = 0, fov = 30 })
+scene:output("frames", { surface = 0.3 * cell, surface_of = "sea", particles = "on", fade = "seen", color = "tint",
+  radius = 0.32 * cell, obstacles = false, from = { 1.25, -0.85, 0.6 }, look_at = { 0.5, 0.16, 0.05 }, ground_height = 0, fov = 30 })
 return scene
