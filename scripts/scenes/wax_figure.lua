@@ -23,7 +23,8 @@ end
 scene:force("gravity", { g = { 0, 0, -9.81 } })
 scene:force("heating", { particles = lit, power = function(t) return t < 3 and power / #lit or 0 end, material = "wax",
   channel = "enthalpy" })
-scene:force("particle_conduction", { spacing = cell / 2, density = density, material = "wax", channel = "enthalpy" })
+scene:force("grid_conduction", { low = { -half, -half, 0 }, high = { half, half, top }, cell = cell, density = density,
+  material = "wax", channel = "enthalpy" })
 scene:force("melt", { channel = "enthalpy", material = "wax", viscosity = 0.05, solid = 1e6 })
 scene:corrector("liquid", { low = { -half, -half, 0 }, high = { half, half, top }, cell = cell, density = density,
   viscosity_of = "melt" })

@@ -51,11 +51,50 @@ static void chocolate_sets_on_what_is_cold(void **state) {
     fail_msg("set %g, %g; %.12g J, %.12g J", set, warm, start, balance);
 }
 
+/* A sheet of ice holds its lantern, and lets it and what is molten fall where a burner is; the conduction keeps the
+ * enthalpy to rounding, 1e-12 (the verdict takes 1e-6). Without the burner nothing falls. */
+static void a_sheet_of_ice_melts_and_lets_go(void **state) {
+  (void)state;
+  test_scene(&r, "ice_sheet", "n=9 --until 1.2");
+  double fallen = test_json(r.out, "fallen"), height = test_json(r.out, "lantern");
+  if (!(fallen > 0 && height < 0.05)) fail_msg("%g fell, the lantern is at %g m", fallen, height);
+  test_scene(&r, "ice_sheet", "n=9 burner=0 --until 1.2");
+  assert_true(test_json(r.out, "fallen") == 0 && test_json(r.out, "lantern") > 0.12);
+}
+
+/* Ice rises in water, and melts; nobody gives or takes heat, so the sum of 5 x 10^5 J stays, to the rounding of an
+ * implicit step. */
+static void a_cube_of_ice_rises_and_melts(void **state) {
+  (void)state;
+  test_scene(&r, "ice_cube", "cell=0.02 --until 0.01");
+  double heat = test_json(r.out, "heat"), ice = test_json(r.out, "ice"), height = test_json(r.out, "height");
+  test_scene(&r, "ice_cube", "cell=0.02 --until 0.4");
+  double left = test_json(r.out, "ice"), rose = test_json(r.out, "height") - height;
+  if (!(fabs(test_json(r.out, "heat") / heat - 1) < 1e-9 && left < 0.9 * ice && left > 0 && rose > 0.005))
+    fail_msg("%g of %g kg are left, it rose by %g m", left, ice, rose);
+}
+
+/* Damp sand stands beside shallow water and is taken by a wave; the water's content is kept to rounding. */
+static void a_wave_takes_a_sand_castle(void **state) {
+  (void)state;
+  test_scene(&r, "sand_castle", "cell=0.04 --until 0.01");
+  double water = test_json(r.out, "balance");
+  test_scene(&r, "sand_castle", "cell=0.04 --until 0.5");
+  double taken = test_json(r.out, "standing");
+  assert_true(fabs(test_json(r.out, "balance") / water - 1) < 1e-9);
+  test_scene(&r, "sand_castle", "cell=0.04 wave=0.04 --until 0.5");
+  double calm = test_json(r.out, "standing");
+  if (!(calm > 0.95 && taken < 0.9)) fail_msg("%g stand, and %g", calm, taken);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_chain_of_ice_fails_when_its_link_has_molten),
       cmocka_unit_test(a_figure_of_wax_stands_until_it_melts),
       cmocka_unit_test(chocolate_sets_on_what_is_cold),
+      cmocka_unit_test(a_sheet_of_ice_melts_and_lets_go),
+      cmocka_unit_test(a_cube_of_ice_rises_and_melts),
+      cmocka_unit_test(a_wave_takes_a_sand_castle),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -159,11 +159,12 @@ static void fill_rows(void *context, size_t begin, size_t end, size_t piece) {
   (void)piece;
   for (size_t r = begin; r < end; r++) {
     equation q;
-    q = (equation){.l = t->l, .v = t->v, .face = t->v->face[r], .axis = t->v->axis[r], .factor = t->factor};
+    q.l = t->l, q.v = t->v, q.face = t->v->face[r], q.axis = t->v->axis[r], q.factor = t->factor;
+    q.count = 0, q.b = 0; /* its numbers are as many as are counted */
     add_to(&q, (uint32_t)r, hk_liquid_part_of_face(t->l, q.face, q.axis));
     visit_strains(t->l, t->v, q.axis, q.face, add_strain, &q);
-    memcpy(t->v->column + width * r, q.column, width * sizeof *q.column);
-    memcpy(t->v->value + width * r, q.value, width * sizeof *q.value);
+    memcpy(t->v->column + width * r, q.column, (size_t)q.count * sizeof *q.column);
+    memcpy(t->v->value + width * r, q.value, (size_t)q.count * sizeof *q.value);
     t->v->start[r + 1] = (size_t)q.count;
     t->v->b[r] = q.b;
   }

@@ -15,12 +15,29 @@ static bool in_box(const hk_liquid_grid *g, size_t cell) {
   return true;
 }
 
-/* The mean distance to the surface of those cells that are in the box. */
-static double mean_distance(const hk_liquid_grid *g, const size_t *cell, int cells) {
+/* Whether cell i, and the one below it along each axis, is in the box along that axis. */
+static void find_place(const hk_liquid_grid *g, size_t i, bool in[3][2]) {
+  for (int c = 0; c < 3; c++) {
+    size_t k = number_along(g, i, c);
+    in[c][0] = k >= 1 && k <= g->cells[c];
+    in[c][1] = k >= 2 && k <= g->cells[c] + 1;
+  }
+}
+
+/* The mean distance to the surface of those that are in the box of the cells i, i - s[0], i - s[1] and i - s[0] - s[1],
+ * s being the strides of the axes a and b, or with b = -1 of the first two. Divisions that locate cells are what this
+ * costs: only i is located. */
+static double mean_distance(const hk_liquid_grid *g, size_t i, int a, int b) {
+  bool in[3][2];
   double sum = 0;
   int count = 0;
-  for (int k = 0; k < cells; k++)
-    if (in_box(g, cell[k])) sum += g->distance[cell[k]], count++;
+  find_place(g, i, in);
+  for (int k = 0; k < (b < 0 ? 2 : 4); k++) {
+    int p = k % 2, q = k / 2;
+    bool within = true;
+    for (int c = 0; c < 3; c++) within = within && in[c][c == a ? p : c == b ? q : 0];
+    if (within) sum += g->distance[i - (p ? g->stride[a] : 0) - (q ? g->stride[b] : 0)], count++;
+  }
   return count ? sum / count : 1;
 }
 
@@ -62,13 +79,21 @@ bool hk_viscous_face_held(const hk_liquid *l, size_t i, int a, bool slip) {
 
 double hk_liquid_part_of_face(const hk_liquid *l, size_t i, int a) {
   const hk_liquid_grid *g = &l->grid;
-  return part_of(mean_distance(g, (size_t[]){i, i - g->stride[a]}, 2));
+  return part_of(mean_distance(g, i, a, -1));
+}
+
+/* The numbers of faces are as many as are counted: the rest is not cleared. */
+static void begin(hk_strain *e, double weight) {
+  e->count = e->covered = 0;
+  e->walls = 0;
+  e->weight = weight;
 }
 
 void hk_strain_along(const hk_liquid *l, size_t i, int a, bool slip, hk_strain *e) {
   const hk_liquid_grid *g = &l->grid;
   double unit = 1 / g->spacing[a];
-  *e = (hk_strain){.weight = 2 * part_of(g->distance[i])};
+  begin(e, 2 * part_of(g->distance[i]));
+  if (!(e->weight > 0)) return;
   for (int k = 0; k < 2; k++) {
     size_t at = k ? i + g->stride[a] : i;
     double by = k ? unit : -unit;
@@ -116,7 +141,8 @@ static double add_difference(const hk_liquid *l, int a, size_t below, size_t abo
 void hk_strain_between(const hk_liquid *l, size_t i, int a, int b, bool slip, hk_strain *e) {
   const hk_liquid_grid *g = &l->grid;
   size_t s = g->stride[a], t = g->stride[b];
-  *e = (hk_strain){.weight = part_of(mean_distance(g, (size_t[]){i, i - s, i - t, i - s - t}, 4))};
+  begin(e, part_of(mean_distance(g, i, a, b)));
+  if (!(e->weight > 0)) return;
   double first = add_difference(l, a, i - t, i, 1 / g->spacing[b], slip, e);
   double second = add_difference(l, b, i - s, i, 1 / g->spacing[a], slip, e);
   e->weight *= slip && fmin(first, second) < 1 ? 0 : fmin(first, second);

@@ -6,7 +6,7 @@
 #include "plugins/common/liquid/liquid.h"
 
 /* A strain: a sum of velocities of faces, and what walls add to it, 1/s; `weight` is its part of a cell's volume, and
- * twice that where it is along an axis. */
+ * twice that where it is along an axis; without a weight no face counts. */
 typedef struct hk_strain {
   int count;
   int axis[4];

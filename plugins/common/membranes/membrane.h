@@ -19,6 +19,25 @@ typedef struct hk_membrane_params {
   hk_numbers uv;
 } hk_membrane_params;
 
+/* Rows of parameters that sheets share. */
+/* clang-format off */
+#define HK_MEMBRANE_SHEET(type, given)                                                                                 \
+  {"model", "", "of the energy: conditions of stretch and shear, Green's strains, rubber",                             \
+     .choice = HK_AT(type, given.model), .choices = "baraff_witkin|stvk|neo_hookean"},                                 \
+  {"stiffness", "N/m", "membrane stiffness along the warp: Young's modulus times thickness",                           \
+     .per_tuple = HK_AT(type, given.stiffness), .limits = HK_ABOVE(0), .flags = HK_REQUIRED, .list = "triangles"},     \
+  {"weft", "N/m", "the same along the weft, across the warp; left out: as along the warp",                             \
+     .per_tuple = HK_AT(type, given.weft), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL, .list = "triangles"},          \
+  {"shear", "N/m", "stiffness against shear between them; left out: sqrt(stiffness weft)/(2 (1 + nu))",                \
+     .per_tuple = HK_AT(type, given.shear), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL, .list = "triangles"},      \
+  {"nu", "", "Poisson's ratio: how much it narrows along the weft when pulled along the warp; baraff_witkin: 0",       \
+     .number = HK_AT(type, given.nu), .limits = HK_WITHIN(0, 0.999)},                                                  \
+  {"damping", "s", "viscous stress is this times the elasticity at rest times the rate of strain",                     \
+     .number = HK_AT(type, given.damping), .limits = HK_AT_LEAST(0)},                                                  \
+  {"warp", "", "direction of the warp, laid onto each triangle; left out: x, or y on triangles across x",              \
+     .vector = HK_AT(type, given.warp), .flags = HK_OPTIONAL}
+/* clang-format on */
+
 /* With the sides e_1 = x_1 - x_0, e_2 = x_2 - x_0 of a triangle, f_u = B[0] e_1 + B[2] e_2, f_v = B[1] e_1 + B[3] e_2.
  */
 typedef struct hk_membrane_triangle {
@@ -89,5 +108,14 @@ void hk_membrane_transposed(const hk_membrane *, const hk_view *view, const hk_m
 
 /* membrane_bound.c: as hk_force.stiffness_bound. */
 void hk_membrane_bound(const hk_membrane *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
+
+/* membrane_tables.c: functions of the tables of a force; `self` is its instance, whose first member is the membrane. */
+hk_status hk_membrane_add(void *self, const hk_view *view, double *F);
+void hk_membrane_add_part(void *self, const hk_view *view, size_t part, double *F);
+void hk_membrane_touch(void *self, const hk_view *view, const hk_part_use *use);
+double hk_membrane_potential(void *self, const hk_view *view);
+void hk_membrane_name_blocks(void *self, const hk_view *view, hk_pattern *pattern);
+hk_status hk_membrane_add_blocks(void *self, const hk_view *view, const hk_blocks *into);
+void hk_membrane_add_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

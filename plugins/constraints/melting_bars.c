@@ -1,0 +1,109 @@
+/* Rigid bars that are there as long as they are cold: |x_j - x_i| = L until the mean of a channel over both ends, a
+ * temperature or an enthalpy, has come to `melts`; from the next step on there is no bar, and there never is again
+ * (Terzopoulos, Platt, Fleischer 1989, Heating and melting deformable models, section 4, in the limit of springs whose
+ * stiffness has no bound: nothing of a rigid bar can soften). The equation and its derivatives are in
+ * plugins/common/lengths. A bar does no work, so that its end takes and gives no energy; when it ends is known to a
+ * step. */
+#include "plugins/common/channels/find_channel.h"
+#include "plugins/common/lengths/lengths.h"
+
+typedef struct melting_bars {
+  hk_lengths solid; /* first member: those that are left */
+  hk_lengths all;
+  const char *name;
+  const hk_channel *channel;
+  double melts;
+  double *gone; /* of all: 0 or 1 */
+} melting_bars;
+
+static const hk_param params[] = {
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(melting_bars, all.edges), .flags = HK_REQUIRED},
+    {"length", "m", "length; left out: the initial distance", .per_tuple = HK_AT(melting_bars, all.length),
+     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    {"channel", "", "that the bars follow, a temperature or an enthalpy", .string = HK_AT(melting_bars, name),
+     .flags = HK_REQUIRED},
+    {"melts", "", "the channel's value, mean of both ends, at which a bar is gone",
+     .number = HK_AT(melting_bars, melts), .flags = HK_REQUIRED},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"gone", .per_tuple = HK_AT(melting_bars, gone), .list = "edges", .width = 1},
+    {0},
+};
+
+/* Marks what has molten; whether that is more than before. */
+static bool melt(melting_bars *b, const hk_view *view) {
+  const double *y = view->y + b->channel->offset * view->n;
+  bool any = false;
+  for (size_t e = 0; e < b->all.edges.count; e++) {
+    const uint32_t *pair = hk_tuple(&b->all.edges, e);
+    if (b->gone[e] > 0 || !((y[pair[0]] + y[pair[1]]) / 2 >= b->melts)) continue;
+    b->gone[e] = 1;
+    any = true;
+  }
+  return any;
+}
+
+static void keep(melting_bars *b) {
+  uint32_t *index = (uint32_t *)(uintptr_t)b->solid.edges.index; /* its own memory */
+  size_t kept = 0;
+  for (size_t e = 0; e < b->all.edges.count; e++) {
+    if (b->gone[e] > 0) continue;
+    for (int end = 0; end < 2; end++) index[2 * kept + (size_t)end] = hk_tuple(&b->all.edges, e)[end];
+    b->solid.length.value[kept++] = hk_tuple_value(&b->all.length, e);
+  }
+  b->solid.edges.count = kept;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  melting_bars *b = self;
+  size_t n = b->all.edges.count + 2; /* two at least, so that the lengths are a list */
+  hk_status status = hk_find_channel(host, view->model, b->name, "channel", 1, &b->channel);
+  if (status == HK_OK)
+    status = hk_lengths_start(&b->all, host, view,
+                              "a bar of no length has no direction; move one of them, or give the bar a length");
+  if (status != HK_OK) return status;
+  b->solid.edges = (hk_tuples){0, 2, host->allocate(host, n * sizeof(uint32_t[2]))};
+  b->solid.length = (hk_per_tuple){n, host->allocate(host, n * sizeof(double))};
+  if (!b->solid.edges.index || !b->solid.length.value)
+    return host->fail(host, HK_NO_MEMORY, "no memory for %zu bars", b->all.edges.count);
+  melt(b, view);
+  keep(b);
+  return HK_OK;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  (void)view;
+  keep(self);
+  return HK_OK;
+}
+
+static hk_status update(void *self, const hk_view *view, bool *changed) {
+  *changed = melt(self, view);
+  if (*changed) keep(self);
+  return HK_OK;
+}
+
+static const hk_constraint constraint = {.size = sizeof(hk_constraint),
+                                         .count = hk_lengths_count,
+                                         .pattern = hk_lengths_pattern,
+                                         .value = hk_lengths_value,
+                                         .jacobian = hk_lengths_jacobian,
+                                         .curvature = hk_lengths_curvature,
+                                         .update = update};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CONSTRAINT,
+    .name = "melting_bars",
+    .summary = "rigid bars that are gone where a channel has come to a value, |x_j - x_i| = L until then",
+    .reference = "Terzopoulos, Platt, Fleischer 1989, Heating and melting deformable models (from goop to glop); "
+                 "equations as of bars",
+    .instance_size = sizeof(melting_bars),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .constraint = &constraint,
+};
