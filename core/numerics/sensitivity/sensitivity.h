@@ -130,8 +130,8 @@ hk_status hk_sensitivity_segment(hk_sensitivity *, size_t first, size_t last, do
 
 /* hk_sensitivity_segment, and the second derivatives H by the same columns, squared, of the sum of weight (6n) times
  * the numbers of X at the end. Those by two controls are left out where forces are linear in them. moves, 6n: numbers
- * of X by which H is wanted, for others it is not; NULL: all. Differences of exact Jacobians leave a part of about 1e-7
- * of H, of forces without them 1e-6. Memory is that of all points, (6n)^2 numbers each. */
+ * of X by which J and H are wanted, for others they are not; NULL: all. Differences of exact Jacobians leave a part of
+ * about 1e-7 of H, of forces without them 1e-6. Memory is that of all points, (6n)^2 numbers each. */
 hk_status hk_sensitivity_curvature(hk_sensitivity *, size_t first, size_t last, double *X, const hk_varied *,
                                    size_t controls, const bool *moves, const double *weight, double *J, double *H,
                                    hk_error *error);

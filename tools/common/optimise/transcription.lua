@@ -233,6 +233,7 @@ function transcription.minimise(options)
     if options.note then options.note(iteration, cost, missing, state.u) end
     local small = size_of(step.p) <= options.tolerance * math.max(size_of(state.u), 1e-300)
     if small and missing <= options.tolerance * math.max(cost, 1e-300) and iteration > 1 then
+      search(state, step, options.evaluate) -- what is left, too
       return result(state, iteration - 1, "converged")
     end
     if not search(state, step, options.evaluate) then return result(state, iteration, "a search without a way down") end
