@@ -149,14 +149,12 @@ static int set_goal(lua_State *L) {
   return 0;
 }
 
-/* h:factor(square, shift): square: the weight of the goals' squares; shift: of every value of a control, or nil.
- * Whether the matrix is positive along the equations. */
+/* h:factor(square, shift): square: the weight of the goals' squares; shift: what is added to the diagonal. Whether the
+ * matrix is positive along the equations. */
 static int factor(lua_State *L) {
   horizon *h = self(L);
   h->square = luaL_checknumber(L, 2);
-  const double *shift = read_controls(L, 3);
-  memset(h->shift, 0, h->knots * h->m * sizeof *h->shift);
-  if (shift) memcpy(h->shift, shift, h->knots * h->m * sizeof *shift);
+  h->shift = luaL_checknumber(L, 3);
   lua_pushboolean(L, hk_horizon_factor(h));
   return 1;
 }

@@ -34,7 +34,6 @@ horizon *hk_horizon_create(size_t knots, size_t d, size_t m, size_t goals) {
   h->C = take(&at, parts * w * w);
   h->W = take(&at, parts * 4 * m * m);
   h->K = take(&at, parts * m * q);
-  h->shift = take(&at, knots * m);
   h->P = take(&at, knots * q * q);
   h->L = take(&at, knots * m * m);
   for (size_t g = 0; g < goals; g++) h->goal[g].slope = take(&at, d);
@@ -88,7 +87,7 @@ static void add_knot(const horizon *h, size_t k, double *P) {
     for (size_t i = 0; i < h->d; i++)
       for (size_t e = 0; e < h->d; e++) P[i * q + e] += h->square * slope[i] * slope[e];
   }
-  for (size_t j = 0; j < h->m; j++) P[(h->d + j) * (q + 1)] += h->shift[k * h->m + j];
+  for (size_t j = 0; j < q; j++) P[j * (q + 1)] += h->shift;
 }
 
 /* Q = C and the effort of segment k, and P of the knot behind it: of (x, u at the begin, u at the end), Q = C + W + F'
@@ -236,7 +235,7 @@ void hk_horizon_multipliers(const horizon *h, const double *x, const double *u, 
       for (size_t i = 0; i < d && h->goal[g].knot == k + 1; i++) behind[i] += of_goals[g] * h->goal[g].slope[i];
     memcpy(own, behind, d * sizeof *own);
     for (size_t i = 0; i < d; i++) {
-      behind[i] = 0;
+      behind[i] = h->shift * x[k * d + i];
       for (size_t e = 0; e < d; e++) behind[i] += J[e * w + i] * own[e] + C[i * w + e] * x[k * d + e];
       for (size_t c = 0; c < 2 * m; c++) behind[i] += C[i * w + d + c] * u[k * m + c];
     }

@@ -25,7 +25,7 @@ typedef struct horizon {
   double *J;     /* of every segment: d rows of d + 2m numbers, by x, by u at its begin, by u at its end */
   double *C;     /* of every segment: d + 2m squared, symmetric; without the effort */
   double *W;     /* of every segment: 2m squared, the effort's second derivatives */
-  double *shift; /* m of every knot: added to the diagonal of controls */
+  double shift;  /* added to the diagonal of all changes but x[1] */
   double square; /* the weight of the goals' squares */
   horizon_goal *goal;
   /* ---- made by hk_horizon_factor, q = d + m ---- */
