@@ -45,31 +45,36 @@ local function rows_of(state)
 end
 
 -- Factors the matrix; where it is not positive the goals' squares are added, which change nothing where the goals are met, and make
--- it positive where it is along them, and at last a multiple of the effort's own. nil: never; else whether that was added.
+-- it positive where it is along them, and at last a multiple of 1 for all changes, of states as well: without that a motion that
+-- is not stable goes as far astray as controls are kept from turning it (Waechter and Biegler 2006, algorithm IC and its numbers).
+-- nil: never; else whether that was added.
 local function factor(state, A)
-  if state.horizon:factor(0) then return false end
-  local size, shift = 0, {}
+  if state.horizon:factor(0, 0) then return false end
+  local size = 0
   for i = 1, #A do size = math.max(size, linear.dot(A[i], A[i])) end
   local weight = size > 0 and 100 * state.n * 4 / 3 * state.interval / size or 0
-  for _ = 1, weight > 0 and 4 or 0 do
-    if state.horizon:factor(weight) then return false end
+  for _ = 1, weight > 0 and 3 or 0 do
+    if state.horizon:factor(weight, 0) then return false end
     weight = 30 * weight
   end
   weight = weight / 30 ^ 2
-  for try = 0, 30 do
-    for i = 1, state.n do
-      local inner = i % state.knots > 1
-      shift[i] = (inner and 4 or 2) / 3 * state.interval * 0.25 * 2 ^ try
+  local shift, grows = state.shift and math.max(state.shift / 3, 1e-20) or 1e-4, state.shift and 8 or 100
+  while shift < 1e40 do
+    if state.horizon:factor(weight, shift) then
+      state.shift = shift
+      return true
     end
-    if state.horizon:factor(weight, shift) then return true end
+    shift = grows * shift
   end
 end
 
 -- The step of the quadratic program.
 local function direction(state)
   local A, c = rows_of(state)
+  state.A = nil
   local shifted = factor(state, A)
   if shifted == nil then return nil end
+  state.A = A
   local slope = effort_slope(state, state.u)
   slope = quadratic.add(slope, 1, slope)
   local least = state.horizon:least(slope, state.defect, state.missing)
@@ -77,7 +82,6 @@ local function direction(state)
     state.bounds and setmetatable({ at = state.u }, { __index = state.bounds }), least)
   state.contradiction = contradiction
   if not step then return nil end
-  state.A = A
   step.x, step.shifted = state.horizon:follow(step.p, state.defect), shifted
   return step
 end
@@ -225,6 +229,9 @@ function transcription.minimise(options)
     fine, why = take(state, options.evaluate)
     if not fine then return nil, why end
     local step = direction(state)
+    if not step and not state.A then
+      return nil, "the quadratic program has no least value, whatever is added to it: begin with other controls, or --starts"
+    end
     if not step then return nil, nil, state.contradiction or { row = 1 } end
     local list = state.horizon:multipliers(step.x, step.p, step.multipliers)
     weigh(state, step, list)
