@@ -26,7 +26,7 @@ static void reach_of(const hk_bend_pass *w, const hk_bend_point *kept, double pa
  * 4e-11 of the third ones and the second by a part of 1e-6, of rounding. */
 static double part_of_values(void) { return pow(DBL_EPSILON, 0.25) / 8; }
 
-hk_status hk_bend_look(hk_bend_pass *w, const hk_stage_point *p, const hk_bend_point *kept) {
+hk_status hk_bend_survey(hk_bend_pass *w, const hk_stage_point *p, const hk_bend_point *kept) {
   size_t v = w->v;
   double reach[2];
   bool *row = (bool *)(w->two + 4 * v);

@@ -37,7 +37,7 @@ static inline void hk_bend_add_rows(const hk_bend_pass *w, double *rows, double 
 
 /* Fills a, beside and A of a point, where Jacobians are not exact: da/dX by the accelerations beside the point, along
  * the numbers that move. X and V are there. */
-hk_status hk_bend_look(hk_bend_pass *, const hk_stage_point *, const hk_bend_point *);
+hk_status hk_bend_survey(hk_bend_pass *, const hk_stage_point *, const hk_bend_point *);
 /* H += V' (u.a)'' V and what the controls add to that, of the point at t; of the first term the upper triangle. */
 hk_status hk_bend_add(hk_bend_pass *, const hk_bend_point *, double t, const double *u);
 

@@ -17,7 +17,7 @@ static hk_status slopes_at(hk_bend_pass *w, size_t k, const hk_bend_point *kept)
   const hk_stage_point *p = &s->point[k];
   size_t v = w->v, columns = w->columns;
   memcpy(kept->X, p->X, 2 * v * sizeof *kept->X);
-  hk_status status = !w->values ? hk_sensitivity_jacobian(s, p, kept->A) : hk_bend_look(w, p, kept);
+  hk_status status = !w->values ? hk_sensitivity_jacobian(s, p, kept->A) : hk_bend_survey(w, p, kept);
   for (size_t j = 0; j < w->controls && status == HK_OK; j++)
     status = hk_sensitivity_by_parameter(s, p, &w->by[j], NULL, kept->B + j * v);
   double *a = w->a[k], part = hk_bend_part(w, p->t);
