@@ -196,11 +196,11 @@ local function report(the, results, given)
   results:find(the.cases)
   results:read(the.cases)
   local code = 0
-  local spreads = spread.list(the)
+  local spreads = spread.list(the, given["--linear"])
   if not the.quiet then rows.show(the) end
   if not the.quiet then spread.show(spreads) end
   if #spreads > 0 then
-    local fine, why = spread.write(spreads, the.base .. "-spread.csv")
+    local fine, why = spread.write(spreads, the.base .. "-spread.csv", given["--linear"])
     if not fine then database.fail("sweep: %s", why) end
   end
   if given["--csv"] then

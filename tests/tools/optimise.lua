@@ -138,6 +138,10 @@ refused("push.lua knots=8 --goal x=1 --way transcription", "lies within a step")
 
 -- ---- what is refused ----
 
+write("asked.lua", (read("bounded.lua"):gsub("return push%(t%), 0, 0", "return push(t) + now, 0, 0")
+  :gsub("(scene:force)", "local now = push(0)\n%1", 1)))
+refused("asked.lua --way transcription", "control 'push': the script asks for its value while it makes the scene")
+
 refused("push.lua", "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER")
 refused("push.lua --goal x", "--goal: 'x' is not MEASURE=NUMBER")
 refused("push.lua --goal x=nan", "--goal: 'x=nan' is not MEASURE=NUMBER")

@@ -62,6 +62,44 @@ for _, b in ipairs { 1, 5 } do
   near(tonumber(low), 2 * s.low + b, 1e-12)
 end
 
+-- By gradients: of a linear measure the same to rounding, with two parameters that are drawn together; of a square the mean is the
+-- square of the mean, a variance (n - 1)/n of the samples' less, and the deviation 2 m sd.
+files.write(folder .. "/both.lua", [[
+local a, b, c = param("a", 1.5), param("b", 1.5), param("c", 0)
+local scene = hooke.scene { duration = 0.5, fps = 10, integrator = "rk4", dt = 0.1 }
+local p = scene:particle { position = { a, b, 0 }, velocity = { b, 0, 0 } }
+scene:force("gravity", {})
+scene:measure("sum", function(s) local x = s:position(p) return 2 * x[1] + x[2] + c end)
+scene:measure("square", function(s) return s:position(p)[2] ^ 2 end)
+return scene
+]])
+assert(os.execute(("cd %s && %s/hooke sweep both.lua a=9..11:normal:12 b=2..3:random:12 c=0,5 --linear --csv all.csv --quiet"):format(
+  folder, build)))
+local of_b = {}
+for b, c in files.read(folder .. "/all.csv"):gmatch("\n%d+,both,[^,]+,([^,]+),([^,]+)") do
+  if c == "0" then of_b[#of_b + 1] = tonumber(b) end
+end
+s, text = spread.of(of_b), files.read(folder .. "/out/sweep/both-spread.csv")
+assert(#of_b == 12 and text:find(",linear_mean,linear_sd,linear_q05,linear_q50,linear_q95\n", 1, true), text)
+for _, c in ipairs { 0, 5 } do
+  local row, cells = text:match(("\nc = %d,sum,12,([^\n]+)"):format(c)), {}
+  for cell in row:gmatch("[^,]+") do cells[#cells + 1] = tonumber(cell) end
+  assert(#cells == 10, row)
+  for k = 1, 5 do near(cells[k + 5], cells[k], 1e-9) end
+  row, cells = text:match(("\nc = %d,square,12,([^\n]+)"):format(c)), {}
+  for cell in row:gmatch("[^,]+") do cells[#cells + 1] = tonumber(cell) end
+  near(cells[6], s.mean ^ 2, 1e-9)
+  near(cells[1] - cells[6], s.sd ^ 2 * 11 / 12, 1e-9)
+  near(cells[7], 2 * s.mean * s.sd, 1e-8)
+end
+
+-- Of what has no gradient it says why.
+local file = assert(io.popen(("cd %s && %s/hooke sweep both.lua a=9..11:normal:4 --integrators dopri5 --linear --db no.db 2>&1"):format(
+  folder, build)))
+text = file:read("a")
+file:close()
+assert(text:find("sum  has no gradient: integrator 'dopri5' does not state its step as stages", 1, true), text)
+
 -- Without samples there is nothing to say.
 assert(os.execute(("cd %s && %s/hooke sweep sum.lua b=1,5 --db plain.db --quiet"):format(folder, build)))
 assert(not files.read(folder .. "/plain-spread.csv"))

@@ -265,6 +265,7 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"integral", integral},
                                      {"times", hk_record_times},
                                      {"segment", hk_record_segment},
+                                     {"assign", hk_record_assign},
                                      {"survey", hk_record_survey},
                                      {NULL, NULL}};
   luaL_newmetatable(L, hk_record_type);

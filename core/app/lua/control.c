@@ -10,13 +10,18 @@ enum { MOST_KNOTS = 10000 };
 
 /* The values as the script has them at work. */
 typedef struct knots {
+  bool making, asked; /* the script still makes the scene; it has asked for a value in that time */
   size_t count;
   double duration, value[];
 } knots;
 
-/* t -> the value; the upvalue are the knots */
+/* t -> the value; upvalues are the knots and the scene */
 static int value_at(lua_State *L) {
-  const knots *c = lua_touserdata(L, lua_upvalueindex(1));
+  knots *c = lua_touserdata(L, lua_upvalueindex(1));
+  if (c->making) {
+    c->making = !hk_lua_scene(L, lua_upvalueindex(2))->frozen;
+    c->asked |= c->making;
+  }
   double last = (double)(c->count - 1), at = luaL_checknumber(L, 1) / c->duration * last;
   if (!(at > 0)) at = 0;
   size_t k = at < last ? (size_t)at : c->count - 2;
@@ -89,7 +94,7 @@ static knots *push_knots(lua_State *L, const char *text) {
     hk_lua_fail(L, HK_BAD_PARAM, "control '%s': '%.40s' is not DURATION: VALUE VALUE ...", control_name(L), text);
   size_t room = strlen(end) / 2 + 1;
   knots *c = lua_newuserdatauv(L, sizeof *c + room * sizeof(double), 0);
-  *c = (knots){.count = 0, .duration = duration};
+  *c = (knots){.making = true, .duration = duration};
   for (const char *at = end + 1; *(at += strspn(at, " \t\r\n")); at = end) {
     double value = strtod(at, &end);
     if (end == at || !isfinite(value) || !strchr(" \t\r\n", *end))
@@ -112,12 +117,19 @@ int hk_lua_scene_control(lua_State *L) {
   hk_lua_check_keys(L, 3, "control", keys);
   push_guess(L, hk_lua_positive(L, 3, "control", "duration", target->duration));
   knots *c = push_knots(L, push_param(L));
-  hk_control control = {
-      .name = (char *)(uintptr_t)control_name(L), .duration = c->duration, .knots = c->count, .value = c->value};
+  hk_control control = {.name = (char *)(uintptr_t)control_name(L),
+                        .duration = c->duration,
+                        .knots = c->count,
+                        .value = c->value,
+                        .current = c->value,
+                        .asked = &c->asked};
   control.min = hk_lua_field_number(L, 3, "control", "min", -INFINITY);
   control.max = hk_lua_field_number(L, 3, "control", "max", INFINITY);
   hk_limits_take(L, sizeof control + strlen(control.name) + c->count * sizeof(double));
   hk_lua_check(L, hk_scene_add_control(target, &control, &error), &error);
-  lua_pushcclosure(L, value_at, 1);
+  lua_pushvalue(L, -1);
+  luaL_ref(L, LUA_REGISTRYINDEX); /* the scene's `current` is there as long as the state is */
+  lua_pushvalue(L, 1);
+  lua_pushcclosure(L, value_at, 2);
   return 1;
 }

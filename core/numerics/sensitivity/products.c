@@ -6,6 +6,7 @@
 #include "core/numerics/sensitivity/force_slopes.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* m/s^2 of N, and what pins leave of it. */
@@ -81,6 +82,45 @@ hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, si
     add_blocks(s, &K, &D, dX + j * apart, a + j * apart);
     if (!s->all_exact) status = add_differences(s, p, dX + j * apart, a + j * apart);
   }
+  return status;
+}
+
+/* ---- as a dense matrix ---- */
+
+static void scatter(const hk_sensitivity *s, const hk_matrix *M, size_t first, double *A) {
+  size_t v = 3 * s->n;
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = M->row_start[i]; e < M->row_start[i + 1]; e++)
+      for (size_t p = 0; p < 9; p++)
+        A[(3 * i + p / 3) * 2 * v + first + 3 * (size_t)M->column[e] + p % 3] -= M->value[9 * e + p];
+}
+
+/* What `divide` makes of column e, and what forces without blocks add to it. */
+static hk_status finish_column(hk_sensitivity *s, const hk_stage_point *p, size_t e, double *column, double *A) {
+  size_t v = 3 * s->n;
+  double *unit = column + v;
+  for (size_t i = 0; i < v; i++) column[i] = A[i * 2 * v + e];
+  divide(s, column);
+  unit[e] = 1;
+  hk_status status = s->all_exact ? HK_OK : add_differences(s, p, unit, column);
+  unit[e] = 0;
+  for (size_t i = 0; i < v; i++) A[i * 2 * v + e] = column[i];
+  return status;
+}
+
+hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, double *A) {
+  hk_matrix K, D;
+  size_t v = 3 * s->n;
+  double *column = calloc(3 * v + 1, sizeof *column);
+  if (!column) return hk_error_set(s->dynamics->error, HK_NO_MEMORY, "no memory for the Jacobian of accelerations");
+  memset(A, 0, 2 * v * v * sizeof *A);
+  hk_status status = blocks(s, p, &K, &D);
+  if (status == HK_OK) {
+    scatter(s, &K, 0, A);
+    scatter(s, &D, v, A);
+  }
+  for (size_t e = 0; e < 2 * v && status == HK_OK; e++) status = finish_column(s, p, e, column, A);
+  free(column);
   return status;
 }
 

@@ -80,7 +80,7 @@ typedef struct hk_sensitivity {
   double *shared;
   const hk_varied *shared_of;
   size_t shared_count;
-  uint64_t shared_chained; /* a bit for each of them that the chain rule finds in part (adjoint.c) */
+  uint64_t shared_chained;   /* a bit for each of them that the chain rule finds in part (adjoint.c) */
   bool *exact;               /* one per force: its Jacobian is that of the force */
   bool all_exact;            /* others are differentiated by differences, which have no transpose */
   const char *inexact;       /* label of one that is not */
@@ -126,6 +126,16 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *, double *X, const hk_varied *,
 hk_status hk_sensitivity_segment(hk_sensitivity *, size_t first, size_t last, double *X, const hk_varied *,
                                  size_t controls, double *J, hk_error *error);
 
+/* ---- curvature.c ---- */
+
+/* hk_sensitivity_segment, and the second derivatives H by the same columns, squared, of the sum of weight (6n) times
+ * the numbers of X at the end. Those by two controls are left out where forces are linear in them. moves, 6n: numbers
+ * of X by which J and H are wanted, for others they are not; NULL: all. Differences of exact Jacobians leave a part of
+ * about 1e-7 of H, of forces without them 1e-6. Memory is that of all points, (6n)^2 numbers each. */
+hk_status hk_sensitivity_curvature(hk_sensitivity *, size_t first, size_t last, double *X, const hk_varied *,
+                                   size_t controls, const bool *moves, const double *weight, double *J, double *H,
+                                   hk_error *error);
+
 /* Adds the derivative by a function of time at t to those by its values at the knots beside. */
 void hk_knots_note(const hk_knots *, double t, double slope);
 
@@ -153,6 +163,8 @@ hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a)
 /* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). */
 hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size_t count, size_t apart,
                                   const double *dX, double *a);
+/* A: da/dx and da/dv, 3n rows of 6n numbers. */
+hk_status hk_sensitivity_jacobian(hk_sensitivity *, const hk_stage_point *, double *A);
 /* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. Adds to the slopes, if there are any, the derivatives of u.a by them. */
 typedef struct hk_force_slopes hk_force_slopes; /* force_slopes.h */
 hk_status hk_sensitivity_transposed(hk_sensitivity *, const hk_stage_point *, const double *u, double *dX,

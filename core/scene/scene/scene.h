@@ -18,7 +18,10 @@ typedef struct hk_control {
   char *name;
   double duration, min, max; /* s; bounds of the values, -INFINITY and INFINITY: none */
   size_t knots;
-  double *value; /* knots: those that the scene has now */
+  double *value;     /* knots: those that the scene was made with */
+  double *current;   /* knots: those that its function of time has, the script's memory: whoever changes them tells
+                      * the dynamics (timed_at) */
+  const bool *asked; /* the script has asked for values while it made the scene */
 } hk_control;
 
 typedef struct hk_goal { /* that a measure has a value at a time */

@@ -27,9 +27,12 @@ local function largest(values)
   return most > 0 and most or 1
 end
 
+-- How far differences by a control with these values go.
+function derivative.control_change(values) return largest(values) * 1e-3 * part end
+
 -- How far the differences go; where that is beyond a bound, nil and why.
 local function change_of(p, factor)
-  if p.values then return largest(p.values) * 1e-3 * part * factor end
+  if p.values then return derivative.control_change(p.values) * factor end
   local by = parameters.scale(p) * part * factor
   if p.start - by >= p.low and p.start + by <= p.high then return by end
   return nil, ("%s = %.9g is at its bound, where a derivative is one-sided: take a value %.2g inside"):format(p.name, p.start, by)

@@ -13,6 +13,12 @@ function quadratic.times(M, x)
   return product
 end
 
+-- B x, where B is a matrix or a function that does that.
+local function image_of(B, x)
+  if type(B) == "function" then return B(x) end
+  return quadratic.times(B, x)
+end
+
 -- x + part y
 function quadratic.add(x, part, y)
   local sum = {}
@@ -39,7 +45,7 @@ local function new_set(B) return { B = B, rows = {}, images = {}, L = {} } end
 
 -- Adds a row; or false and the parts of the rows before that it consists of.
 local function include(set, row)
-  local n, image, line, products = #set.rows, quadratic.times(set.B, row), {}, {}
+  local n, image, line, products = #set.rows, image_of(set.B, row), {}, {}
   local whole = linear.dot(row, image)
   local rest = whole
   for i = 1, n do
@@ -110,7 +116,7 @@ local function take_bound(step, bounds, k, side, goals)
   local row, own = bounds.row(k), 0
   for e = 1, #row do row[e] = side * row[e] end
   while true do
-    local image, products = quadratic.times(step.set.B, row), {}
+    local image, products = image_of(step.set.B, row), {}
     for i, other in ipairs(step.set.images) do products[i] = linear.dot(other, row) end
     local change = triangles(step.set.L, products)
     local z = image
@@ -134,12 +140,13 @@ local function take_bound(step, bounds, k, side, goals)
   end
 end
 
--- B: the inverse of H. bounds: nil, or { at = u, low =, high =, values(p) -> changes of u, row(k) -> their row }.
+-- B: the inverse of H, a matrix, or a function of x that gives B x; then `least` is -B g.
+-- bounds: nil, or { at = u, low =, high =, values(p) -> changes of u, row(k) -> their row }.
 -- Returns { p, multipliers (of A: H p + g + A^T m + the bounds' = 0), kept (rows of A), set, slope = g + A^T m + the bounds' },
 -- and a contradiction among the rows or nil; or nil where no p keeps the bounds.
-function quadratic.solve(B, g, A, c, negligible, bounds)
+function quadratic.solve(B, g, A, c, negligible, bounds, least)
   local set, kept, contradiction = independent(B, A, c, negligible)
-  local Bg, right, goals = quadratic.times(B, g), {}, #kept
+  local Bg, right, goals = least and quadratic.add(least, -2, least) or image_of(B, g), {}, #kept
   for i = 1, goals do right[i] = linear.dot(set.rows[i], Bg) - c[kept[i]] end
   local step = { set = set, kept = kept, weight = triangles(set.L, right) }
   step.p = quadratic.add(Bg, -2, Bg) -- -B g

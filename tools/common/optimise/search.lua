@@ -8,7 +8,6 @@ local progress = require("common.run.progress")
 local segments = require("common.optimise.segments")
 local sqp = require("common.optimise.sqp")
 local starts = require("common.optimise.starts")
-local transcription = require("common.optimise.transcription")
 
 local search = {}
 
@@ -95,32 +94,24 @@ end
 local function transcribed(o, controls, u, note, negligible)
   local goals, why = goals_at_knots(o, controls)
   if not goals then return nil, why end
-  local function shoot(values, nodes, weights)
-    local case = { parameters = with_values(controls, values), goals = goals, nodes = nodes, weights = weights or nil,
-      gradient = weights ~= false and nodes ~= nil }
-    for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
-    local found = segments.take(case)
-    if found.failed then return nil, found.failed end
-    o.dt = o.dt or found.dt
-    return found
-  end
-  local optimum, contradiction
   local words = ("transcription %d %s"):format(#u, o.dt or "")
   local saved = o.memory:saved(words, u)
   o.dt = saved and saved.dt or o.dt
-  local function save(state)
-    state.dt = o.dt
-    o.memory:save(words, u, state)
-  end
-  optimum, why, contradiction = transcription.minimise { start = u, saved = saved, save = save, W = cost.matrix(controls),
-    knots = #controls[1].values,
-    controls = #controls, goals = goals, negligible = negligible, bounds = bounds_of(controls), most = o.most,
-    tolerance = o.tolerance, evaluate = shoot, note = function(iteration, now, missing, values)
+  local first, count = controls[1], #controls[1].values
+  local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, options = { start = u, saved = saved,
+    interval = first.duration / (count - 1), knots = count, controls = #controls, goals = goals, negligible = negligible,
+    bounds = bounds_of(controls), most = o.most, tolerance = o.tolerance,
+    save = function(state) o.memory:save(words, u, state) end,
+    note = function(iteration, now, missing, values)
       note(iteration, now, missing)
       o.keep(with_values(controls, values))
-    end }
-  if contradiction then why = asked.contradiction(o, contradiction) end
+    end } }
+  for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+  local result = segments.minimise(case)
+  local optimum = result.optimum
+  why = result.contradiction and asked.contradiction(o, result.contradiction) or result.failed
   if not optimum then return nil, why end
+  o.dt = o.dt or result.dt
   local found = evaluate(o, controls, optimum.u, { gradient = false })
   if found.failed then return nil, found.failed end
   optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)

@@ -1,11 +1,12 @@
 -- The scene cut at the knots of its controls, in a process of its own: what the steps between two knots make of a state at the
--- first one, how that depends on the state and on the values at both knots, and goals with their derivatives.
+-- first one, how that depends on the state and on the values at both knots, and goals with their derivatives; and the search for the
+-- least effort by transcription over these.
 local case_process = require("common.run.case_process")
 local derivative = require("common.gradient.derivative")
+local quadratic = require("common.optimise.quadratic")
+local transcription = require("common.optimise.transcription")
 
 local segments = {}
-
-local curved = 1e-4 -- of a number's size: the reach of differences of derivatives, eps^(1/4)
 
 -- Which steps lie between two knots: { { first, last }, ... }; or nil and why that cannot be said.
 local function cut(case, times)
@@ -37,59 +38,92 @@ local function begin(case)
   return fine and record, why, run:summary().dt_max, both
 end
 
--- Of the weighted sum of a segment's numbers the second derivatives: rows by the state, columns as those of J.
-local function curvature(record, part, X, J, weight)
-  local n, H, columns = #X, {}, #J // #X
-  for e = 1, n do
-    local by, sides = curved * math.max(math.abs(X[e]), 1), {}
-    for side = -1, 1, 2 do
-      local there = table.move(X, 1, n, 1, {})
-      there[e] = X[e] + side * by
-      local _, slopes = record:segment(part.first, part.last, there, true)
-      if not _ then return nil, slopes end
-      sides[side] = slopes
-    end
-    H[e] = {}
-    for c = 1, columns do
-      local sum = 0
-      for i = 1, n do sum = sum + weight[i] * (sides[1][(c - 1) * n + i] - sides[-1][(c - 1) * n + i]) end
-      H[e][c] = sum / (2 * by)
+-- Which numbers of the state behind a segment move, where `moves` do before it and these are missing of the equations there: where
+-- none of a segment's columns reaches, nothing ever comes from.
+local function moved_behind(J, moves, defect)
+  local n, behind = #moves, {}
+  for i = 1, n do behind[i] = defect[i] ~= 0 end
+  for c = 1, #J // n do
+    if c > n or moves[c] then
+      for i = 1, n do behind[i] = behind[i] or J[(c - 1) * n + i] ~= 0 end
     end
   end
-  return H
+  return behind
 end
 
-local function execute(case)
+-- The evaluation of common/optimise/transcription.lua, by a record whose controls are given other values.
+local function evaluation_of(case, record, parts, start)
+  local none = {}
+  for e = 1, #start do none[e] = false end
+
+  local function assign(u)
+    local at = 0
+    for j, control in ipairs(case.parameters) do
+      local values = table.move(u, at + 1, at + #control.values, 1, {})
+      local fine, why = record:assign(j, control.name, values, derivative.control_change(values))
+      if not fine then return nil, why end
+      at = at + #values
+    end
+    return true
+  end
+
+  local function survey(found, nodes)
+    for g, goal in ipairs(case.goals) do
+      local node = goal.knot
+      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at, nodes and nodes[node] or found.ends[node - 1] or start)
+      if not found.goals[g] then return nil, found.slopes[g] end
+    end
+    return found
+  end
+
+  return function(u, nodes, weights)
+    local fine, why = assign(u)
+    if not fine then return nil, why end
+    local found = { start = start, ends = {}, J = {}, H = {}, goals = {}, slopes = {} }
+    local slopes, moves = weights ~= false and nodes ~= nil, none
+    for k, part in ipairs(parts) do
+      local from = nodes and nodes[k] or found.ends[k - 1] or start
+      local behind, J, H = record:segment(part.first, part.last, from, slopes, weights and weights[k] or nil, moves)
+      found.ends[k] = behind
+      if not found.ends[k] then return nil, J end
+      if slopes then
+        found.J[k], found.H[k] = J, H
+        moves = moved_behind(J, moves, quadratic.add(found.ends[k], -1, nodes[k + 1]))
+      end
+    end
+    return survey(found, nodes)
+  end
+end
+
+-- The whole search in one process: the scene and those beside it are made once, and steps taken from any state with any controls.
+-- The child tells of every iteration, which is kept and shown outside of its sandbox.
+local function execute(case, tell)
   local record, why, dt, kept = begin(case)
   if not record then return { failed = why } end
-  local times, X = record:times()
+  local times, start = record:times()
   local parts
   parts, why = cut(case, times)
   if not parts then return { failed = why } end
-  local result = { dt = dt, start = X, ends = {}, J = {}, H = {}, goals = {}, slopes = {}, kept = #kept }
-  for k, part in ipairs(parts) do
-    local slopes
-    local from = case.nodes and case.nodes[k] or result.ends[k - 1] or X
-    result.ends[k], slopes = record:segment(part.first, part.last, from, case.gradient)
-    if not result.ends[k] then return { failed = slopes } end
-    result.J[k] = case.gradient and slopes or nil
-    if case.weights then
-      result.H[k], why = curvature(record, part, from, slopes, case.weights[k])
-      if not result.H[k] then return { failed = why } end
-    end
+  local options = setmetatable({}, { __index = case.options })
+  options.evaluate = evaluation_of(case, record, parts, start)
+  function options.note(...) tell { note = { ... } } end
+  function options.save(state)
+    state.dt = dt
+    tell { save = state }
   end
-  for g, goal in ipairs(case.goals) do
-    local node = goal.knot
-    result.goals[g], result.slopes[g] = record:survey(goal.name, goal.at, case.nodes and case.nodes[node] or result.ends[node - 1])
-    if not result.goals[g] then return { failed = result.slopes[g] } end
-  end
+  local result = { dt = dt, kept = #kept }
+  result.optimum, result.failed, result.contradiction = transcription.minimise(options)
   return result
 end
 
--- case: as of common/optimise/evaluation.lua; goals with `knot`, at which they are; nodes: the states at the knots, or nil: the run's
--- own; weights: of the numbers behind each segment, for H. Returns { start, ends, J, H, goals (values), slopes, dt } or { failed }.
-function segments.take(case)
+-- case: as of common/optimise/evaluation.lua; goals with `knot`, at which they are; options: those of transcription.minimise without
+-- evaluate. Returns { optimum, failed, contradiction, dt }.
+function segments.minimise(case)
   case.execute, case.factor = execute, 1
+  function case.told(message)
+    if message.note then case.options.note(table.unpack(message.note)) end
+    if message.save then case.options.save(message.save) end
+  end
   return case_process.run(case)
 end
 

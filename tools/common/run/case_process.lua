@@ -16,6 +16,8 @@
 --   keep                      true: result.states comes back, too
 --   execute                   function(case) that gives the result instead: for scripts that drive their own runs. Of
 --                             the rest only scene, trust and timeout then mean anything
+--   told                      function(message): `execute` has a second argument, tell(message), which hands it plain tables
+--                             while the process goes on
 -- A result is the run's summary (scripts/README.md, run:summary) or, without one, `failed`, the cause as a text, and
 -- `fits` = false when the scene or its options were refused before the first step.
 local process = require("process")
@@ -127,7 +129,8 @@ end
 
 local function child(case, fd)
   if not case.trust then hooke.confine(case.scene) end
-  local fine, result, states = pcall(case.execute or case_process.execute, case)
+  local function tell(message) process.write(fd, string.pack("<s8", dump { told = message })) end
+  local fine, result, states = pcall(case.execute or case_process.execute, case, tell)
   if not fine then result = { failed = tostring(result) } end
   local parts = { string.pack("<s8", dump(result)) }
   for _, state in ipairs(case.keep and states or {}) do parts[#parts + 1] = string.pack("<s8", state) end
@@ -151,6 +154,19 @@ local function unpack_result(text, keep)
     result.states[#result.states + 1], at = string.unpack("<s8", text, at)
   end
   return result
+end
+
+-- Hands over the messages that have come whole; what follows them stays.
+local function hear(job)
+  local text, at = table.concat(job.parts), 1
+  while #text - at >= 7 do
+    local behind = at + 8 + string.unpack("<I8", text, at)
+    local message = behind <= #text + 1 and undump(text:sub(at + 8, behind - 1))
+    if not message or message.told == nil then break end
+    job.case.told(message.told)
+    at = behind
+  end
+  job.parts = { text:sub(at) }
 end
 
 -- An allowance bounds the wall time too, for a process that waits for something.
@@ -192,6 +208,7 @@ local function watch(jobs)
     local text = ready[fd] and process.read(fd)
     if text and text ~= "" then
       job.parts[#job.parts + 1] = text
+      if job.case.told then hear(job) end
     elseif text then
       ended[#ended + 1] = job
     elseif is_late(job) then

@@ -26,6 +26,7 @@ local options = {
   { "--report", nil, "what is done so far; runs nothing" },
   { "--csv", "FILE", "write the results as CSV" },
   { "--plot", "Y:X[,Z]", "draw Y against X (a line for each of the rest), or as colour over X and Z", "list" },
+  { "--linear", nil, "beside the spread of samples that by gradients of the measures" },
   { "--print-cases", nil, "print the cases, one a line, and run none" },
   { "--case", "K", "run these only: 7 or 1-20 or 3,5,9-12; done ones are not done again" },
   { "--part", "FILE", "write what --case does to a database of its own (for --merge)" },

@@ -65,7 +65,62 @@ static void two_segments_are_the_run_and_its_tangents(void **state) {
   }
 }
 
+/* How far derivatives are from those of a segment, and second ones from differences of these by the state (c) and by
+ * the parameters at the knots with the state, relative to the largest. */
+static void compare_curvature(const char *method, double *slope_off, double *bend_off) {
+  static double J[COLUMNS * N], H[COLUMNS * COLUMNS], more[COLUMNS * N], less[COLUMNS * N], plain[COLUMNS * N];
+  double X[N], Y[N], weight[N], largest = 0, steepest = 0;
+  const double by = 1e-4; /* leaves by^2 of the fourth derivatives, and eps/by of rounding */
+  varied_runs r;
+  varied_open(&r, varied_tetrahedron, method, start, VARIED_PARAMETERS, 2e-3);
+  varied_run(&r, 0.05);
+  hk_error error = {0};
+  size_t last = r.s->steps;
+  for (size_t e = 0; e < N; e++) weight[e] = 1 + 0.3 * (double)(e % 5);
+  memcpy(X, r.s->start, sizeof X);
+  assert_int_equal(hk_sensitivity_curvature(r.s, 0, last, X, r.by, VARIED_PARAMETERS, NULL, weight, J, H, &error),
+                   HK_OK);
+  memcpy(Y, r.s->start, sizeof Y);
+  assert_int_equal(hk_sensitivity_segment(r.s, 0, last, Y, r.by, VARIED_PARAMETERS, plain, &error), HK_OK);
+  *slope_off = *bend_off = 0;
+  for (size_t e = 0; e < N; e++) *slope_off = fmax(*slope_off, fabs(X[e] - Y[e]));
+  for (size_t e = 0; e < COLUMNS * N; e++) {
+    steepest = fmax(steepest, fabs(plain[e]));
+    *slope_off = fmax(*slope_off, fabs(J[e] - plain[e]));
+  }
+  for (size_t c = 0; c < N; c++) {
+    memcpy(X, r.s->start, sizeof X);
+    memcpy(Y, r.s->start, sizeof Y);
+    X[c] += by;
+    Y[c] -= by;
+    assert_int_equal(hk_sensitivity_segment(r.s, 0, last, X, r.by, VARIED_PARAMETERS, more, &error), HK_OK);
+    assert_int_equal(hk_sensitivity_segment(r.s, 0, last, Y, r.by, VARIED_PARAMETERS, less, &error), HK_OK);
+    for (size_t b = 0; b < COLUMNS; b++) {
+      double sum = 0;
+      for (size_t i = 0; i < N; i++) sum += weight[i] * (more[b * N + i] - less[b * N + i]) / (2 * by);
+      largest = fmax(largest, fabs(sum));
+      *bend_off = fmax(*bend_off, fabs(sum - H[c * COLUMNS + b]));
+      assert_true(H[c * COLUMNS + b] == H[b * COLUMNS + c]);
+    }
+  }
+  *slope_off /= steepest;
+  *bend_off /= largest;
+  varied_close(&r);
+}
+
+/* First derivatives to rounding; second ones by one-sided differences of exact products over 1e-7 of the scene's size,
+ * whose next term is a part of some 1e-7. */
+static void curvature_is_the_difference_of_derivatives(void **state) {
+  (void)state;
+  for (size_t m = 0; m < VARIED_METHODS; m++) {
+    double slope_off, bend_off;
+    compare_curvature(varied_method[m], &slope_off, &bend_off);
+    if (!(slope_off < 1e-13 && bend_off < 2e-6)) fail_msg("%s: %g %g", varied_method[m], slope_off, bend_off);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(two_segments_are_the_run_and_its_tangents)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(two_segments_are_the_run_and_its_tangents),
+                                     cmocka_unit_test(curvature_is_the_difference_of_derivatives)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
