@@ -13,7 +13,8 @@ typedef struct incompressible {
   double tolerance, divergence;
   int64_t most;
   double *held, *still; /* n: multipliers of the last step's two solves, first guesses of the next one's */
-  double *density, *diagonal, *velocity, *solved;
+  double *density, *diagonal, *solved;
+  hk_sph_list list;
   double last, longest; /* s, steps: the last one and the longest so far */
   double off;           /* of the density at the last step, by that at rest */
   int64_t said;
@@ -38,8 +39,7 @@ static const hk_field fields[] = {
     {"still", .per_particle = HK_AT(incompressible, still), .width = 1},
     {"local_density", .per_particle = HK_AT(incompressible, density), .width = 1, .flags = HK_PUBLISHED},
     {"diagonal", .per_particle = HK_AT(incompressible, diagonal), .width = 1, .flags = HK_SCRATCH},
-    {"without", .per_particle = HK_AT(incompressible, velocity), .width = 3, .flags = HK_SCRATCH},
-    {"solved", .per_particle = HK_AT(incompressible, solved), .width = 3, .flags = HK_SCRATCH},
+    {"solved", .per_particle = HK_AT(incompressible, solved), .width = 4, .flags = HK_SCRATCH},
     {"last", .number = HK_AT(incompressible, last)},
     {"longest", .number = HK_AT(incompressible, longest)},
     {"off", .number = HK_AT(incompressible, off)},
@@ -100,8 +100,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_sph_pressure p = {.sph = &s->common,
                        .density = s->density,
                        .diagonal = s->diagonal,
-                       .velocity = s->velocity,
-                       .v = s->solved,
+                       .list = &s->list,
+                       .v = (double(*)[4])s->solved,
                        .a = s->held,
                        .h = c->h,
                        .longest = s->longest};
