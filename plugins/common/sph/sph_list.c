@@ -2,10 +2,13 @@
 
 #include "plugins/common/space/reserve.h"
 
-hk_status hk_sph_list_reserve(hk_sph_list *l, const hk_host *host, const hk_neighbour_rows *rows) {
-  size_t most = rows->row_start[rows->n] + (HK_SPH_FOUR - 1) * rows->n;
-  hk_status status = hk_reserve(host, &l->start, &l->rows_room, rows->n, sizeof *l->start);
-  if (status == HK_OK) status = hk_reserve(host, &l->count, &l->count_room, rows->n, sizeof *l->count);
+static hk_status reserve(hk_sph_list *l, const hk_host *host, const hk_neighbour_rows *rows) {
+  size_t n = rows->n, most = rows->row_start[n] + (HK_SPH_FOUR - 1) * n;
+  hk_status status = hk_reserve(host, &l->point, &l->point_room, n, sizeof *l->point);
+  if (status == HK_OK) status = hk_reserve(host, &l->density, &l->density_room, n, sizeof *l->density);
+  if (status == HK_OK) status = hk_reserve(host, &l->diagonal, &l->diagonal_room, n, sizeof *l->diagonal);
+  if (status == HK_OK) status = hk_reserve(host, &l->start, &l->start_room, n, sizeof *l->start);
+  if (status == HK_OK) status = hk_reserve(host, &l->count, &l->count_room, n, sizeof *l->count);
   if (status == HK_OK) status = hk_reserve(host, &l->other, &l->other_room, most, sizeof *l->other);
   if (status == HK_OK) status = hk_reserve(host, &l->weight, &l->weight_room, most, sizeof *l->weight);
   return status;
@@ -50,24 +53,26 @@ HK_INLINE size_t fill_row(hk_sph_list *l, const hk_sph_rows *t, const hk_periodi
 typedef struct filling {
   hk_sph_list *list;
   const hk_sph_rows *rows;
-  const double *inverse_mass;
-  double *density, *diagonal;
+  const hk_view *view;
 } filling;
 
+/* Rows of a chunk follow each other in memory. */
 HK_INLINE void fill_rows(const filling *f, const hk_periodic_box *box, size_t first, size_t end) {
   const hk_sph *s = f->rows->sph;
+  hk_sph_list *l = f->list;
+  const double *inverse_mass = f->view->model->inverse_mass;
   size_t to = f->rows->rows.row_start[first] + (HK_SPH_FOUR - 1) * first;
   for (size_t i = first; i < end; i++) {
     sums sum = {.density = s->point[i][3] * s->kernel.amplitude};
-    f->list->start[i] = to;
-    f->density[i] = f->diagonal[i] = 0;
+    l->start[i] = to;
+    l->density[i] = l->diagonal[i] = 0;
     if (s->role[i] == HK_SPH_LIQUID) {
       const double *g = sum.gradient;
-      to = fill_row(f->list, f->rows, box, f->inverse_mass, i, to, &sum);
-      f->density[i] = sum.density;
-      f->diagonal[i] = f->inverse_mass[i] * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) + sum.others;
+      to = fill_row(l, f->rows, box, inverse_mass, i, to, &sum);
+      l->density[i] = sum.density;
+      l->diagonal[i] = inverse_mass[i] * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) + sum.others;
     }
-    f->list->count[i] = (uint32_t)(to - f->list->start[i]);
+    l->count[i] = (uint32_t)(to - l->start[i]);
   }
 }
 
@@ -75,8 +80,29 @@ HK_INLINE void fill_rows(const filling *f, const hk_periodic_box *box, size_t fi
 HK_VERSIONS(static void, filled, (const filling *f, size_t first, size_t end),
             f->rows->box ? fill_rows(f, f->rows->box, first, end) : fill_rows(f, NULL, first, end))
 
-void hk_sph_list_fill(hk_sph_list *l, const hk_sph_rows *rows, const hk_view *view, double *density, double *diagonal,
-                      size_t first, size_t end) {
-  filling f = {l, rows, view->model->inverse_mass, density, diagonal};
-  HK_WIDEST(view->host->lanes, filled)(&f, first, end);
+static void fill_chunk(void *context, size_t first, size_t end, size_t chunk) {
+  const filling *f = context;
+  (void)chunk;
+  HK_WIDEST(f->view->host->lanes, filled)(f, first, end);
+}
+
+/* As numbers: pins may change the sign of a 0. */
+static bool is_of(const hk_sph_list *l, const hk_sph *s, size_t n) {
+  bool other = l->n != n;
+  for (size_t i = 0; i < n && !other; i++)
+    for (int c = 0; c < 4; c++) other |= l->point[i][c] != s->point[i][c];
+  return !other;
+}
+
+hk_status hk_sph_list_make(hk_sph_list *l, const hk_sph_rows *rows, const hk_view *view) {
+  filling f = {l, rows, view};
+  size_t n = view->n;
+  if (is_of(l, rows->sph, n)) return HK_OK;
+  l->n = 0;
+  hk_status status = reserve(l, view->host, &rows->rows);
+  if (status != HK_OK) return status;
+  view->host->parallel_for(view->host, n, HK_SPH_GRAIN, fill_chunk, &f);
+  if (n > 0) memcpy(l->point, rows->sph->point, n * sizeof *l->point);
+  l->n = n;
+  return HK_OK;
 }

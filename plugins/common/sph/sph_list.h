@@ -16,20 +16,22 @@
 enum { HK_SPH_FOUR = 4 };
 
 typedef struct hk_sph_list {
-  size_t *start;   /* n: of the row */
-  uint32_t *count; /* n: of its entries, a multiple of 4; 0 of what is not liquid */
+  double (*point)[4]; /* n, as hk_sph.point: what the list is of */
+  size_t n;           /* 0: of nothing */
+  double *density;    /* n, kg/m^3 */
+  double *diagonal;   /* n, kg/m^6: |sum w_j grad W|^2/m_i + sum over the liquid of w_j^2 |grad W|^2/m_j */
+  size_t *start;      /* n: of the row */
+  uint32_t *count;    /* n: of its entries, a multiple of 4; 0 of what is not liquid, as density and diagonal */
   uint32_t *other;
   float *weight;
-  size_t rows_room, count_room, other_room, weight_room;
+  size_t point_room, density_room, diagonal_room, start_room, count_room, other_room, weight_room;
 } hk_sph_list;
 
-/* Room for the rows. HK_NO_MEMORY */
-hk_status hk_sph_list_reserve(hk_sph_list *, const hk_host *, const hk_neighbour_rows *rows);
-/* The rows of the liquid from `first` to `end`, which is a chunk of HK_SPH_GRAIN: they follow each other in memory.
- * density (n), kg/m^3, and diagonal (n), kg/m^6, |sum w_j grad W|^2/m_i + sum over the liquid of w_j^2 |grad W|^2/m_j,
- * are found on the way; 0 of what is not liquid. */
-void hk_sph_list_fill(hk_sph_list *, const hk_sph_rows *, const hk_view *view, double *density, double *diagonal,
-                      size_t first, size_t end);
+/* The list of these rows, after hk_sph_begin; nothing is done where it is that of the same positions and masses, as at
+ * the start of a step that goes on where the last one ended. HK_NO_MEMORY */
+hk_status hk_sph_list_make(hk_sph_list *, const hk_sph_rows *, const hk_view *view);
+/* To be called when roles or pins may have changed. */
+static inline void hk_sph_list_forget(hk_sph_list *l) { l->n = 0; }
 
 /* S, kg^2/m^5. */
 static inline double hk_sph_list_scale(const hk_sph *s) {

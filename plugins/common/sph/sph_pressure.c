@@ -4,22 +4,11 @@ typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
 static const double relaxation = 0.5; /* of Jacobi's iteration, as in the paper */
 
-static bool is_liquid(const hk_sph_pressure *p, size_t i) { return p->sph->role[i] == HK_SPH_LIQUID; }
-
-static void fill_chunk(void *context, size_t first, size_t end, size_t chunk) {
-  const hk_sph_pressure *p = context;
-  (void)chunk;
-  hk_sph_list_fill(p->list, &p->near, p->view, p->density, p->diagonal, first, end);
-}
-
 hk_status hk_sph_pressure_begin(hk_sph_pressure *p, const hk_view *view) {
   p->view = view;
   p->near = (hk_sph_rows){.sph = p->sph, .box = view->model->box};
   hk_status status = hk_sph_begin(p->sph, view, &p->near.rows);
-  if (status == HK_OK) status = hk_sph_list_reserve(p->list, view->host, &p->near.rows);
-  if (status != HK_OK) return status;
-  view->host->parallel_for(view->host, view->n, HK_SPH_GRAIN, fill_chunk, p);
-  return HK_OK;
+  return status == HK_OK ? hk_sph_list_make(p->list, &p->near, view) : status;
 }
 
 /* ---- an iteration ---- */
@@ -76,29 +65,32 @@ HK_INLINE void add_impulses(const hk_sph_pressure *p, const hk_periodic_box *box
 
 /* kg/(m^3 s), by which the density of a particle rises too fast; negative: it could rise faster. */
 HK_INLINE double excess_of(const hk_sph_pressure *p, double rate, size_t i) {
-  double room = p->density[i] - p->sph->density;
+  double room = p->list->density[i] - p->sph->density;
   if (p->h > 0) return rate + room / fmax(p->h, p->longest);
   return room < 0 ? -INFINITY : rate; /* where neighbours are missing nothing is held */
 }
 
-/* Returns the sum of what is off, also where a pressure holds apart what would not come together. */
-HK_INLINE double relax(hk_sph_pressure *p, const hk_periodic_box *box, size_t first, size_t end) {
-  double sum = 0, scale = hk_sph_list_scale(p->sph);
+/* Sum of what is off, also where a pressure holds apart what would not come together; and the number of particles
+ * that a pressure acts on. */
+HK_INLINE void relax(hk_sph_pressure *p, const hk_periodic_box *box, size_t first, size_t end, double sum[2]) {
+  double scale = hk_sph_list_scale(p->sph);
+  sum[0] = sum[1] = 0;
   for (size_t i = first; i < end; i++) {
-    if (!(p->diagonal[i] > 0)) continue;
+    if (!(p->list->diagonal[i] > 0)) continue;
     double mass = p->sph->point[i][3], rate = -scale / mass * separation_rate(p, box, i);
-    double change = excess_of(p, rate, i) / p->diagonal[i], before = p->a[i], to = fmax(0, before + change / mass);
+    double change = excess_of(p, rate, i) / p->list->diagonal[i], before = p->a[i],
+           to = fmax(0, before + change / mass);
     p->a[i] = before + relaxation * (to - before);
-    sum += fabs(to - before) * mass * p->diagonal[i];
+    sum[0] += fabs(to - before) * mass * p->list->diagonal[i];
+    sum[1] += before > 0 || to > 0;
   }
-  return sum;
 }
 
 /* In open space it is known to the compiler that there is no box. */
 HK_VERSIONS(static void, impulses, (const hk_sph_pressure *p, size_t first, size_t end),
             p->near.box ? add_impulses(p, p->near.box, first, end) : add_impulses(p, NULL, first, end))
-HK_VERSIONS(static double, relaxed, (hk_sph_pressure * p, size_t first, size_t end),
-            return p->near.box ? relax(p, p->near.box, first, end) : relax(p, NULL, first, end))
+HK_VERSIONS(static void, relaxed, (hk_sph_pressure * p, size_t first, size_t end, double sum[2]),
+            p->near.box ? relax(p, p->near.box, first, end, sum) : relax(p, NULL, first, end, sum))
 
 static void impulse_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const hk_sph_pressure *p = context;
@@ -108,13 +100,16 @@ static void impulse_chunk(void *context, size_t first, size_t end, size_t chunk)
 
 static void relax_chunk(void *context, size_t first, size_t end, size_t chunk) {
   hk_sph_pressure *p = context;
-  p->sph->sums[chunk] = HK_WIDEST(p->view->host->lanes, relaxed)(p, first, end);
+  HK_WIDEST(p->view->host->lanes, relaxed)(p, first, end, p->sph->sums + 2 * chunk);
 }
 
-/* Of the last relaxation, before it. */
-static double mean_excess(const hk_sph_pressure *p, double count) {
-  double sum = 0;
-  for (size_t k = 0; k * HK_SPH_GRAIN < p->view->n; k++) sum += p->sph->sums[k];
+/* Of the last relaxation, before it; of what is under pressure, so that drops in the air do not dilute it. */
+static double mean_excess(const hk_sph_pressure *p) {
+  double sum = 0, count = 0;
+  for (size_t k = 0; k * HK_SPH_GRAIN < p->view->n; k++) {
+    sum += p->sph->sums[2 * k];
+    count += p->sph->sums[2 * k + 1];
+  }
   return count > 0 ? sum / count / p->sph->density : 0;
 }
 
@@ -128,14 +123,12 @@ static void take_over(hk_sph_pressure *p, double *v) {
 
 void hk_sph_pressure_solve(hk_sph_pressure *p, double *v, double scale, double tolerance, size_t most) {
   const hk_host *host = p->view->host;
-  double count = 0;
   p->before = v;
-  for (size_t i = 0; i < p->view->n; i++) count += is_liquid(p, i);
   for (p->iterations = 0;; p->iterations++) {
     host->parallel_for(host, p->view->n, HK_SPH_GRAIN, impulse_chunk, p);
     if (p->iterations == most) break;
     host->parallel_for(host, p->view->n, HK_SPH_GRAIN, relax_chunk, p);
-    p->off = scale * mean_excess(p, count);
+    p->off = scale * mean_excess(p);
     if (p->off < tolerance) break;
   }
   take_over(p, v);
