@@ -13,7 +13,8 @@ typedef struct incompressible {
   double tolerance, divergence;
   int64_t most;
   double *held, *still; /* n: multipliers of the last step's two solves, first guesses of the next one's */
-  double *density, *diagonal, *velocity, *solved;
+  double *density, *solved;
+  hk_sph_list list;
   double last, longest; /* s, steps: the last one and the longest so far */
   double off;           /* of the density at the last step, by that at rest */
   int64_t said;
@@ -22,7 +23,7 @@ typedef struct incompressible {
 static const double courant = 0.4;
 
 static const hk_param params[] = {
-    {"tolerance", "", "mean excess of density that is left, by that at rest",
+    {"tolerance", "", "mean excess of density that is left, by that at rest, of what is under pressure",
      .number = HK_AT(incompressible, tolerance), .initial = {1e-4}, .limits = HK_ABOVE_TO(0, 0.1)},
     {"divergence", "", "the same of what the density would rise by in a step", .initial = {1e-3},
      .number = HK_AT(incompressible, divergence), .limits = HK_ABOVE_TO(0, 0.1)},
@@ -37,9 +38,7 @@ static const hk_field fields[] = {
     {"held", .per_particle = HK_AT(incompressible, held), .width = 1},
     {"still", .per_particle = HK_AT(incompressible, still), .width = 1},
     {"local_density", .per_particle = HK_AT(incompressible, density), .width = 1, .flags = HK_PUBLISHED},
-    {"diagonal", .per_particle = HK_AT(incompressible, diagonal), .width = 1, .flags = HK_SCRATCH},
-    {"without", .per_particle = HK_AT(incompressible, velocity), .width = 3, .flags = HK_SCRATCH},
-    {"solved", .per_particle = HK_AT(incompressible, solved), .width = 3, .flags = HK_SCRATCH},
+    {"solved", .per_particle = HK_AT(incompressible, solved), .width = 4, .flags = HK_SCRATCH},
     {"last", .number = HK_AT(incompressible, last)},
     {"longest", .number = HK_AT(incompressible, longest)},
     {"off", .number = HK_AT(incompressible, off)},
@@ -98,10 +97,8 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   at.x = c->x_before;
   scale_guess(s, view, c->h);
   hk_sph_pressure p = {.sph = &s->common,
-                       .density = s->density,
-                       .diagonal = s->diagonal,
-                       .velocity = s->velocity,
-                       .v = s->solved,
+                       .list = &s->list,
+                       .v = (double(*)[4])s->solved,
                        .a = s->held,
                        .h = c->h,
                        .longest = s->longest};
@@ -116,6 +113,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   p.a = s->still, p.h = 0;
   status = hk_sph_pressure_begin(&p, &at);
   if (status != HK_OK) return status;
+  memcpy(s->density, s->list.density, view->n * sizeof *s->density);
   hk_sph_pressure_solve(&p, c->v, c->h, s->divergence, (size_t)s->most);
   c->changed = moved || p.changed;
   return HK_OK;
@@ -129,6 +127,7 @@ static double violation(void *self, const hk_view *view) {
 }
 
 static hk_status topology(void *self, const hk_view *view) {
+  hk_sph_list_forget(&((incompressible *)self)->list);
   return hk_sph_topology(&((incompressible *)self)->common, view);
 }
 

@@ -1,5 +1,10 @@
 /* Symplectic Euler: v is advanced first, then x with the new v. Order 1; stable up to h w = 2 without damping.
  *
+ * With constraints that are all equalities it is that of Hairer, Lubich and Wanner, VII.1.3: impulses along J at the
+ * start of the step bring x onto g(x') = 0, and v has them too, before the host brings it onto J' v' = 0. So it is
+ * symplectic with them as well, and angular momenta are kept. Without the impulses, x alone brought onto g = 0, a body
+ * that spins with w gains (w h)^2/2 of its spin in each step.
+ *
  * Beside leapfrog it has no history and its velocities are those of half a step: order 1. On a curtain (euler.c) as
  * many steps, 180, leave 6.0e-4 m, leapfrog 8.6e-7.
  */
@@ -45,17 +50,28 @@ HK_INLINE void advance_each(const advance *all, size_t begin, size_t end) {
 HK_VERSIONS(static void, advance_range, (void *context, size_t begin, size_t end),
             advance_each(context, 3 * begin, 3 * end))
 
+/* From X to `next`, to which the constraint forces at X have been applied already; what they are short of is the rest.
+ */
+static hk_status hold(hk_system *s, double t_next, double h, double *next) {
+  double work = 0;
+  if (!s->constraint || !s->constraint->holonomic) return HK_OK;
+  hk_status status = s->constraint->shake(s, t_next, s->X, h, next, next + 3 * s->n, &work);
+  next[s->size - 1] += work;
+  return status;
+}
+
 static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   double *a = ((symplectic_euler *)self)->slope, *X = s->X, *next = s->spare;
   size_t v = 3 * s->n, y = 6 * s->n;
-  (void)method, (void)t_stop, (void)out;
+  (void)method, (void)out;
   advance all = {X, X + v, a, next, next + v, h};
   hk_status status =
       s->fused(s, s->t, X, X + v, X + y, a, a + v, &(hk_fused){&all, NULL, HK_WIDEST(s->host->lanes, advance_range)});
   if (status != HK_OK) return status;
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  s->exchange(s);
-  return HK_OK;
+  status = hold(s, fmin(t_stop, s->t + h), h, next);
+  if (status == HK_OK) s->exchange(s);
+  return status;
 }
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),

@@ -1,9 +1,9 @@
 -- liquids.lua: grid or particles? The same water on the same particles by the corrector `liquid` on a grid, by `incompressible` and
--- by `sph`, in three problems with known answers (scripts/scenes/liquid_methods.lua). liquids-cost.png has a line for each method and
+-- by `sph`, in four problems with known answers (scripts/scenes/liquid_methods.lua). liquids-cost.png has a line for each method and
 -- problem: what it costs, the seconds of the time loop (the least of two), and how far off it is.
 return hooke.sweep {
   scene = "../scenes/liquid_methods.lua",
-  params = { method = { "grid", "incompressible", "sph" }, problem = { "wave", "vortex", "dam" }, n = { 12, 16, 24, 32 } },
+  params = { method = { "grid", "incompressible", "sph" }, problem = { "wave", "vortex", "plates", "dam" }, n = { 12, 16, 24, 32 } },
   verify = false,
   repeats = 2,
   jobs = 1,

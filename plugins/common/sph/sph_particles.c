@@ -31,7 +31,7 @@ hk_status hk_sph_topology(hk_sph *s, const hk_view *view) {
   host->release(host, s->sums);
   s->role = host->allocate(host, view->n + 1);
   s->point = host->allocate(host, (view->n + 1) * sizeof *s->point);
-  s->sums = host->allocate(host, (view->n / HK_SPH_GRAIN + 1) * sizeof *s->sums);
+  s->sums = host->allocate(host, 2 * (view->n / HK_SPH_GRAIN + 1) * sizeof *s->sums);
   if (!s->role || !s->point || !s->sums) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   give_roles(s, view);
   return HK_OK;

@@ -27,7 +27,7 @@ typedef struct hk_sph {
   hk_sph_kernel kernel;
   uint8_t *role;      /* n, hk_sph_role */
   double (*point)[4]; /* n: x, y, z and the mass that counts, kg; 0 of those that take no part */
-  double *sums;       /* of a chunk */
+  double *sums;       /* of a chunk; room for two of each */
   const hk_neighbours *service;
   const hk_host *host;
 } hk_sph;

@@ -1,79 +1,96 @@
 #include "plugins/common/sph/sph_pressure.h"
 
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+
 static const double relaxation = 0.5; /* of Jacobi's iteration, as in the paper */
-
-static bool is_liquid(const hk_sph_pressure *p, size_t i) { return p->sph->role[i] == HK_SPH_LIQUID; }
-
-/* |sum w_j grad W|^2/m_i + sum over the liquid of w_j^2 |grad W|^2/m_j. */
-static double diagonal_of(const hk_sph_pressure *p, size_t i) {
-  const hk_sph *s = p->sph;
-  double sum[3] = {0}, others = 0;
-  hk_sph_near near;
-  for (size_t at = p->near.rows.row_start[i], end = p->near.rows.row_start[i + 1]; at < end;) {
-    hk_sph_gather(s, p->near.box, p->near.rows.other, end, i, &at, &near);
-    for (size_t k = 0; k < near.count; k++) {
-      double fall = near.mass[k] * hk_sph_slope(&s->kernel, near.r2[k]);
-      for (int c = 0; c < 3; c++) sum[c] += fall * near.d[c][k];
-      others += p->view->model->inverse_mass[near.other[k]] * fall * fall * near.r2[k];
-    }
-  }
-  double inverse = p->view->model->inverse_mass[i];
-  return inverse * (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) + others;
-}
-
-static void measure_chunk(void *context, size_t first, size_t end, size_t chunk) {
-  hk_sph_pressure *p = context;
-  (void)chunk;
-  for (size_t i = first; i < end; i++) {
-    p->density[i] = is_liquid(p, i) ? hk_sph_density(&p->near, p->near.box, i) : 0;
-    p->diagonal[i] = is_liquid(p, i) ? diagonal_of(p, i) : 0;
-  }
-}
 
 hk_status hk_sph_pressure_begin(hk_sph_pressure *p, const hk_view *view) {
   p->view = view;
   p->near = (hk_sph_rows){.sph = p->sph, .box = view->model->box};
   hk_status status = hk_sph_begin(p->sph, view, &p->near.rows);
-  if (status != HK_OK) return status;
-  view->host->parallel_for(view->host, view->n, HK_SPH_GRAIN, measure_chunk, p);
-  return HK_OK;
+  return status == HK_OK ? hk_sph_list_make(p->list, &p->near, view) : status;
 }
 
 /* ---- an iteration ---- */
 
-/* v = velocity - M^-1 (d rho/dx)^T a */
+/* d = x - the place of `other`, or of its nearest image. */
+HK_INLINE void take_between(const hk_sph_pressure *p, const hk_periodic_box *box, const four *x, uint32_t other,
+                            four *d) {
+  *d = *x - *(const four *)p->sph->point[other];
+  if (!box) return;
+  double to[3] = {(*d)[0], (*d)[1], (*d)[2]};
+  hk_nearest_image(box, to);
+  *d = (four){to[0], to[1], to[2]};
+}
+
+/* push = sum of (a_i + a_j) s d, by four sums, so that additions do not wait for each other. */
+HK_INLINE void find_push(const hk_sph_pressure *p, const hk_periodic_box *box, size_t i, four *push) {
+  const uint32_t *other = p->list->other + p->list->start[i];
+  const float *weight = p->list->weight + p->list->start[i];
+  const double *a = p->a, own = a[i];
+  four x = *(const four *)p->sph->point[i], sum[HK_SPH_FOUR] = {{0}}, d;
+  for (size_t e = 0, count = p->list->count[i]; e < count; e += HK_SPH_FOUR)
+    for (size_t q = 0; q < HK_SPH_FOUR; q++) {
+      take_between(p, box, &x, other[e + q], &d);
+      sum[q] += d * ((own + a[other[e + q]]) * (double)weight[e + q]);
+    }
+  *push = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* sum of s d.(v_i - v_j) */
+HK_INLINE double separation_rate(const hk_sph_pressure *p, const hk_periodic_box *box, size_t i) {
+  const uint32_t *other = p->list->other + p->list->start[i];
+  const float *weight = p->list->weight + p->list->start[i];
+  four x = *(const four *)p->sph->point[i], v = *(const four *)p->v[i], sum[HK_SPH_FOUR] = {{0}}, d;
+  for (size_t e = 0, count = p->list->count[i]; e < count; e += HK_SPH_FOUR)
+    for (size_t q = 0; q < HK_SPH_FOUR; q++) {
+      take_between(p, box, &x, other[e + q], &d);
+      sum[q] += d * (v - *(const four *)p->v[other[e + q]]) * (double)weight[e + q];
+    }
+  four all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  return (all[0] + all[1]) + all[2];
+}
+
+/* v = before - M^-1 (d rho/dx)^T a */
 HK_INLINE void add_impulses(const hk_sph_pressure *p, const hk_periodic_box *box, size_t first, size_t end) {
+  double scale = hk_sph_list_scale(p->sph);
   for (size_t i = first; i < end; i++) {
-    double sum[3] = {0}, inverse = p->view->model->inverse_mass[i];
-    if (is_liquid(p, i)) hk_sph_push(&p->near, box, i, p->a, sum);
-    for (size_t c = 0; c < 3; c++) p->v[3 * i + c] = p->velocity[3 * i + c] + inverse * sum[c];
+    const double *v = p->before + 3 * i;
+    double by = p->view->model->inverse_mass[i] * scale;
+    four push;
+    find_push(p, box, i, &push);
+    *(four *)p->v[i] = (four){v[0] + by * push[0], v[1] + by * push[1], v[2] + by * push[2], 0};
   }
 }
 
 /* kg/(m^3 s), by which the density of a particle rises too fast; negative: it could rise faster. */
-HK_INLINE double excess_of(const hk_sph_pressure *p, const hk_periodic_box *box, size_t i) {
-  double rate = hk_sph_density_rate(&p->near, box, i, p->v), room = p->density[i] - p->sph->density;
+HK_INLINE double excess_of(const hk_sph_pressure *p, double rate, size_t i) {
+  double room = p->list->density[i] - p->sph->density;
   if (p->h > 0) return rate + room / fmax(p->h, p->longest);
   return room < 0 ? -INFINITY : rate; /* where neighbours are missing nothing is held */
 }
 
-/* Returns the sum of what is off, also where a pressure holds apart what would not come together. */
-HK_INLINE double relax(hk_sph_pressure *p, const hk_periodic_box *box, size_t first, size_t end) {
-  double sum = 0;
+/* Sum of what is off, also where a pressure holds apart what would not come together; and the number of particles
+ * that a pressure acts on. */
+HK_INLINE void relax(hk_sph_pressure *p, const hk_periodic_box *box, size_t first, size_t end, double sum[2]) {
+  double scale = hk_sph_list_scale(p->sph);
+  sum[0] = sum[1] = 0;
   for (size_t i = first; i < end; i++) {
-    if (!is_liquid(p, i) || !(p->diagonal[i] > 0)) continue;
-    double before = p->a[i], to = fmax(0, before + excess_of(p, box, i) / p->diagonal[i]);
+    if (!(p->list->diagonal[i] > 0)) continue;
+    double mass = p->sph->point[i][3], rate = -scale / mass * separation_rate(p, box, i);
+    double change = excess_of(p, rate, i) / p->list->diagonal[i], before = p->a[i],
+           to = fmax(0, before + change / mass);
     p->a[i] = before + relaxation * (to - before);
-    sum += fabs(to - before) * p->diagonal[i];
+    sum[0] += fabs(to - before) * mass * p->list->diagonal[i];
+    sum[1] += before > 0 || to > 0;
   }
-  return sum;
 }
 
 /* In open space it is known to the compiler that there is no box. */
 HK_VERSIONS(static void, impulses, (const hk_sph_pressure *p, size_t first, size_t end),
             p->near.box ? add_impulses(p, p->near.box, first, end) : add_impulses(p, NULL, first, end))
-HK_VERSIONS(static double, relaxed, (hk_sph_pressure * p, size_t first, size_t end),
-            return p->near.box ? relax(p, p->near.box, first, end) : relax(p, NULL, first, end))
+HK_VERSIONS(static void, relaxed, (hk_sph_pressure * p, size_t first, size_t end, double sum[2]),
+            p->near.box ? relax(p, p->near.box, first, end, sum) : relax(p, NULL, first, end, sum))
 
 static void impulse_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const hk_sph_pressure *p = context;
@@ -83,20 +100,30 @@ static void impulse_chunk(void *context, size_t first, size_t end, size_t chunk)
 
 static void relax_chunk(void *context, size_t first, size_t end, size_t chunk) {
   hk_sph_pressure *p = context;
-  p->sph->sums[chunk] = HK_WIDEST(p->view->host->lanes, relaxed)(p, first, end);
+  HK_WIDEST(p->view->host->lanes, relaxed)(p, first, end, p->sph->sums + 2 * chunk);
 }
 
-/* Of the last relaxation, before it. */
+/* Of the last relaxation, before it; of what is under pressure, so that drops in the air do not dilute it. */
 static double mean_excess(const hk_sph_pressure *p) {
   double sum = 0, count = 0;
-  for (size_t k = 0; k * HK_SPH_GRAIN < p->view->n; k++) sum += p->sph->sums[k];
-  for (size_t i = 0; i < p->view->n; i++) count += is_liquid(p, i);
+  for (size_t k = 0; k * HK_SPH_GRAIN < p->view->n; k++) {
+    sum += p->sph->sums[2 * k];
+    count += p->sph->sums[2 * k + 1];
+  }
   return count > 0 ? sum / count / p->sph->density : 0;
+}
+
+static void take_over(hk_sph_pressure *p, double *v) {
+  for (size_t i = 0; i < p->view->n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      p->changed |= v[3 * i + c] != p->v[i][c];
+      v[3 * i + c] = p->v[i][c];
+    }
 }
 
 void hk_sph_pressure_solve(hk_sph_pressure *p, double *v, double scale, double tolerance, size_t most) {
   const hk_host *host = p->view->host;
-  memcpy(p->velocity, v, 3 * p->view->n * sizeof *v);
+  p->before = v;
   for (p->iterations = 0;; p->iterations++) {
     host->parallel_for(host, p->view->n, HK_SPH_GRAIN, impulse_chunk, p);
     if (p->iterations == most) break;
@@ -104,6 +131,5 @@ void hk_sph_pressure_solve(hk_sph_pressure *p, double *v, double scale, double t
     p->off = scale * mean_excess(p);
     if (p->off < tolerance) break;
   }
-  p->changed |= memcmp(v, p->v, 3 * p->view->n * sizeof *v) != 0;
-  memcpy(v, p->v, 3 * p->view->n * sizeof *v);
+  take_over(p, v);
 }

@@ -7,25 +7,24 @@
 #ifndef HK_SPH_PRESSURE_H
 #define HK_SPH_PRESSURE_H
 
-#include "plugins/common/sph/sph_sums.h"
+#include "plugins/common/sph/sph_list.h"
 
 typedef struct hk_sph_pressure {
   hk_sph *sph;
   const hk_view *view; /* positions that the sums are of; velocities are not read */
   hk_sph_rows near;
-  double *density;  /* n, kg/m^3; 0: not of the liquid */
-  double *diagonal; /* n, kg/m^6: of the matrix of (d rho/dx) M^-1 (d rho/dx)^T */
-  double *velocity; /* n x 3, m/s, without the impulses */
-  double *v;        /* n x 3, with them */
-  double *a;        /* n, m^5/s, multipliers; kept from step to step as the first guess */
-  double h;         /* s: of the step for which densities are kept; 0: rates are */
-  double longest;   /* s: a density that is off is made good within this, also by a shorter step */
+  hk_sph_list *list;
+  const double *before; /* n x 3, m/s, without the impulses */
+  double (*v)[4];       /* n, m/s, with them, and 0 */
+  double *a;      /* n, m^5/(kg s), multipliers by the mass that counts; kept from step to step as the first guess */
+  double h;       /* s: of the step for which densities are kept; 0: rates are */
+  double longest; /* s: a density that is off is made good within this, also by a shorter step */
   size_t iterations;
   bool changed; /* a solve has changed a velocity */
-  double off;   /* what is left, by the density at rest: mean excess, or of rates that of h0 d rho/dt */
+  double off;   /* what is left, by the density at rest, mean of what is under pressure: excess, or h0 d rho/dt */
 } hk_sph_pressure;
 
-/* Rows, densities and the diagonal, at the positions of the view. */
+/* The list of the liquid, at the positions of the view. */
 hk_status hk_sph_pressure_begin(hk_sph_pressure *, const hk_view *view);
 /* Changes v (n x 3) of the liquid until what is left is below `tolerance`, by the density at rest, within the time
  * `scale`, s, or `most` iterations are done. */
