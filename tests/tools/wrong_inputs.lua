@@ -22,6 +22,26 @@ runs.refused("help bnch", "unknown command 'bnch'; did you mean 'bench'?")
 local code, text = runs.run("help gravity drag") -- of several words each
 assert(code == 0 and text:find("force 'gravity'", 1, true) and text:find("force 'drag'", 1, true), text)
 
+-- What a run that ends by its constraints has to say: three bars of which one is implied, and masses 5e5 apart.
+local function ends(name, lines, ...)
+  runs.write(name, 'local scene = hooke.scene { duration = 0.5, integrator = "leapfrog" }\n' .. lines
+    .. 'scene:pin { 1 }\nscene:force("gravity", {})\nreturn scene\n')
+  local ended, said = runs.run(("run %s --no-output --quiet"):format(name))
+  assert(ended == 3, said)
+  for _, part in ipairs { ... } do assert(said:find(part, 1, true), said) end
+  assert(not said:find("that particle", 1, true), said)
+end
+ends("bars.lua", [[
+for k = 0, 2 do scene:particle { position = { k, 0, 0 } } end
+scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 }, { 1, 3 } } })
+]], "bars.lua:3: bars: the position of equation", "say the same twice, as a bar along two others does? Leave one out")
+ends("masses.lua", [[
+for k = 0, 2 do scene:particle { position = { k, 0, 0 }, mass = ({ 1, 1e-3, 500 })[k + 1] } end
+scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 } } })
+]], "masses.lua:3: bars:", "its particles have masses of 0.001 and 500 kg", "--integrator dopri5")
+code, text = runs.run("run masses.lua --no-output --quiet --integrator dopri5") -- the remedy is one
+assert(code == 0, text)
+
 if pcall(require, "luasql.sqlite3") then
   runs.refused("sweep ball.lua k=", "sweep: k: '': a value between the commas is missing")
   runs.refused("sweep ball.lua k=1..2:foo:3", "sweep: k: '1..2:foo:3': 'foo' is neither linear")

@@ -152,6 +152,9 @@ bool hk_constraint_touches(const hk_constraints *, size_t k, double size);
 /* "equation 3 (particles 3 and 4)": the ids of at most four. */
 void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
 
+/* Written to `text`: what may keep the equation from being solved, and what to do about it. */
+const char *hk_constraint_doubt(const hk_dynamics *, size_t equation, char *text, size_t size);
+
 /* ---- restitution.c ---- */
 
 hk_status hk_restitution_open(hk_dynamics *); /* once the equations are numbered */
