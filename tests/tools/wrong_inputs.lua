@@ -22,6 +22,21 @@ runs.refused("help bnch", "unknown command 'bnch'; did you mean 'bench'?")
 local code, text = runs.run("help gravity drag") -- of several words each
 assert(code == 0 and text:find("force 'gravity'", 1, true) and text:find("force 'drag'", 1, true), text)
 
+-- The place is the scene's line, not the module's; a cell as large as the box; a column of times that is not called t.
+runs.write("fill.lua", [[
+local scene = hooke.scene { duration = 0.1 }
+local water = require("filling").box { low = { 0, 0, 0 }, high = { 1, 1, param("high", 1) }, cell = 0.5 }
+scene:particles { positions = water.positions, mass = water.mass }
+scene:corrector(param("what", "liquid"), { low = { 0, 0, 0 }, high = { 1, 1, 1 }, cell = 2 })
+return scene
+]])
+runs.fails("run fill.lua high=-1 --no-output", "fill.lua:2: filling.box: high is below low, so that there is no room")
+runs.fails("run fill.lua --no-output", "fill.lua:4: liquid: cell: 2 m is twice the box along x, 1 m, or more: take smaller cells")
+runs.write("times.csv", "time,x\n0,1\n")
+runs.write("moving.lua", 'local k = param("k", 1)\nlocal scene = hooke.scene { duration = 0.1 }\nscene:particle {}\n'
+  .. 'scene:measure("x", function() return k end)\nreturn scene\n')
+runs.fails("fit moving.lua --data times.csv --by k", "times.csv:1: the column 'time' is no measure of the scene; it has x, and a column t")
+
 -- What a run that ends by its constraints has to say: three bars of which one is implied, and masses 5e5 apart.
 local function ends(name, lines, ...)
   runs.write(name, 'local scene = hooke.scene { duration = 0.5, integrator = "leapfrog" }\n' .. lines
