@@ -53,9 +53,11 @@ scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 }, { 1, 3 } } })
 ends("masses.lua", [[
 for k = 0, 2 do scene:particle { position = { k, 0, 0 }, mass = ({ 1, 1e-3, 500 })[k + 1] } end
 scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 } } })
-]], "masses.lua:3: bars:", "its particles have masses of 0.001 and 500 kg", "--integrator dopri5")
+]], "masses.lua:3: bars:", "its particles have masses of 0.001 and 500 kg", "an adaptive integrator")
 code, text = runs.run("run masses.lua --no-output --quiet --integrator dopri5") -- the remedy is one
 assert(code == 0, text)
+
+runs.refused("optimise ball.lua --starts=-2", "--starts: '-2' is not a whole number above 0")
 
 if pcall(require, "luasql.sqlite3") then
   runs.refused("sweep ball.lua k=", "sweep: k: '': a value between the commas is missing")
