@@ -77,6 +77,10 @@ function tests.it_follows_the_run_without_a_complaint()
   b:wait(("view.page.layers[0].frame.k > %d + 10"):format(first))
   equal(b:eval("document.querySelector('.doing').textContent"), "running", "what it is doing")
   assert(b:eval("document.querySelectorAll('.chart path').length") > 3, "no lines in the charts")
+  local energy = b:eval("(() => { const list = view.page.sources[0].series.filter((s) => s.group === 'Energy'), k = 5; "
+    .. "return { names: list.map((s) => s.name).join(), values: list.map((s) => s.values[k]), times: list[2].values.length } })()")
+  equal(energy.names, "kinetic,potential,total,work", "the chart of energies")
+  equal(energy.values[3], energy.values[1] + energy.values[2], "the total energy")
   silent("following")
 end
 

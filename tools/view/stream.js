@@ -49,20 +49,24 @@ view.stream = (() => {
       return other;
     }
 
+    // A series is the sum of numbers that the run tells: the total energy of two, all others of one.
     charts(measures) {
-      const list = [...FIXED, ...measures.map((name) => [name, "", name])];
-      return list.map(([group, unit, name]) => ({ group, unit, name, times: this.times, values: [] }));
+      const told = [...FIXED, ...measures.map((name) => [name, "", name])];
+      const list = told.map(([group, unit, name], k) => ({ group, unit, name, sum: [k], times: this.times, values: [] }));
+      list.splice(2, 0, { group: "Energy", unit: "J", name: "total", sum: [0, 1], times: this.times, values: [] });
+      this.told = told.length;
+      return list;
     }
 
     // Numbers of the frames that are new, up to the whole ones there are.
     async learn(known) {
       this.known = known;
-      const width = 1 + this.series.length;
+      const width = 1 + this.told;
       for (let c = Math.floor(this.times.length / CHUNK); c * CHUNK < known.frames; c++) {
         const all = new Float64Array(await view.link.bytes(`numbers/${this.number}/${c}`));
         for (let k = this.times.length - c * CHUNK; k < all.length / width; k++) {
           this.times.push(all[k * width]);
-          this.series.forEach((s, j) => s.values.push(all[k * width + 1 + j]));
+          for (const s of this.series) s.values.push(s.sum.reduce((sum, j) => sum + all[k * width + 1 + j], 0));
         }
       }
     }
