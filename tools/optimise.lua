@@ -29,7 +29,8 @@ local function parser()
   for _, more in ipairs { { "--starts", "how many random guesses, beside the scene's own" },
     { "--refine", "how often the best optimum is found again with knots half as far apart" } } do
     p:option(more[1], more[2]):default("0"):convert(function(text)
-      return text == "0" and 0 or command_line.whole(more[1])(text)
+      if text == "0" then return 0 end
+      return command_line.whole(more[1])(text) -- with the reason of a refusal
     end)
   end
   p:option("--way", "shooting: the values of the controls are unknown; transcription: those and all states at knots")

@@ -97,7 +97,8 @@ local function follow(case)
     if (k - 1) / first.fps >= first["end"] * (1 - 1e-12) then break end
     fine, run = pcall(scene.run, scene, { to = t })
   end
-  return { rows = rows, failed = not fine and tostring(run) or nil, dt = fine and run:summary().dt_max or nil }
+  local failed = not fine and tostring(run):gsub("^%S*tools/paths%.lua:%d+: ", "") or nil -- not the place in this tool
+  return { rows = rows, failed = failed, dt = fine and run:summary().dt_max or nil }
 end
 
 local function run_all(o)

@@ -15,8 +15,8 @@ typedef struct frames {
   int64_t width, height, every, sheet;
   hk_appearance_names names;
   const char *unit, *folder, *video_file, *views;
-  double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
-      background[3], plain[3];
+  double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, obstacle_opacity, fog, streak,
+      ground_height, background[3], plain[3];
   hk_numbers range, keyframes, cameras;
   hk_solid_numbers solids;
   hk_frame_solid *solid;
@@ -149,6 +149,8 @@ static const hk_param params[] = {
      .number = HK_AT(frames, volume_optics.glow), .limits = HK_AT_LEAST(0)},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      .boolean = HK_AT(frames, obstacles), .initial = {1}},
+    {"obstacle_opacity", "", "of drawn obstacles but planes; 0.2 looks as glass",
+     .number = HK_AT(frames, obstacle_opacity), .initial = {1}, .limits = HK_WITHIN(0, 1)},
     {"see_through", "", "obstacles are transparent while they hide more than half of the particles",
      .boolean = HK_AT(frames, see_through), .initial = {1}},
     {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
@@ -223,7 +225,7 @@ static void plan_light(frames *f) {
   int light = f->light != AUTO_LIGHT ? f->light : style_of(f) == HK_STYLE_GLOW ? NIGHT : DAY;
   const double *colour = isnan(f->background[0]) ? colours[light] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
-  setup->see_through = f->see_through;
+  setup->see_through = f->see_through, setup->obstacle_clearness = 1 - f->obstacle_opacity;
   setup->shadows = f->shadows, setup->thickness = f->thickness;
   setup->sprites.style = style_of(f);
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;

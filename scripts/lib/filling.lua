@@ -17,15 +17,18 @@ local function parts(low, high, cell)
   return n, (high - low) / n, (high - low) / n
 end
 
+-- Of a call of filling.box in a scene, whose line the error has.
 local function check(t)
-  assert(type(t.low) == "table" and type(t.high) == "table", "filling.box: low and high are the corners of the box, m")
-  assert(t.cell and t.cell > 0, "filling.box: cell is the size of the liquid's cells, m, above 0")
-  assert(not t.scatter or t.scatter >= 0 and t.scatter <= 1,
-    "filling.box: scatter is the part of its place that a particle is at random in, 0 to 1")
+  local function demand(fine, what) return fine or error("filling.box: " .. what, 4) end
+  demand(type(t) == "table" and type(t.low) == "table" and type(t.high) == "table", "low and high are the corners of the box, m")
+  demand(type(t.cell) == "number" and t.cell > 0, "cell is the size of the liquid's cells, m, above 0")
+  demand(not t.scatter or t.scatter >= 0 and t.scatter <= 1,
+    "scatter is the part of its place that a particle is at random in, 0 to 1")
   for c = 1, 3 do
-    assert(t.high[c] >= t.low[c], "filling.box: high is below low, so that there is no room: give the upper corner")
+    demand(type(t.low[c]) == "number" and type(t.high[c]) == "number", "low and high are three numbers each, {x, y, z}, m")
+    demand(t.high[c] >= t.low[c], "high is below low, so that there is no room: give the upper corner")
   end
-  assert(not t.level or t.high[3] > t.low[3], "filling.box: a level needs a box with room along z: give high[3] above low[3]")
+  demand(not t.level or t.high[3] > t.low[3], "a level needs a box with room along z: give high[3] above low[3]")
 end
 
 -- Adds the column over the rectangle whose lower corner is x, y; size: of its places, m; n: of them up to t.high[3].

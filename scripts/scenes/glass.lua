@@ -48,6 +48,6 @@ scene:measure("spilt", function(s) -- kg, beside the glass
   return sum
 end)
 scene:output("frames", { surface = 0.35 * cell, surface_cell = 0.25 * cell, surface_of = "water", surface_look = "water",
-  surface_absorption = { 12, 3, 1 }, color = "none", surface_cut = true, obstacles = false, -- the water alone
+  surface_absorption = { 12, 3, 1 }, color = "none", surface_cut = true, obstacle_opacity = 0.15,
   from = { 0.12, -0.44, 0.2 }, look_at = { 0, 0, 0.06 }, ground_height = 0, fov = 18 })
 return scene

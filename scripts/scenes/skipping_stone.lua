@@ -32,5 +32,5 @@ scene:measure("hop", function(s) -- m, how far it has come up again
 end)
 scene:output("frames", { surface = 0.4 * cell, surface_cell = 0.4 * cell, surface_of = "water", surface_look = "water",
   surface_absorption = { 4, 1.2, 0.5 }, plain = { 0.4, 0.4, 0.42 }, color = "none", springs = "off", surface_cut = true, obstacles = false,
-  from = { 1.5, -2.9, 1.1 }, look_at = { 1.3, 0.25, 0.05 }, ground_height = 0 })
+  width = 1280, height = 400, from = { 1.4, -2.9, 0.95 }, look_at = { 1.35, 0.25, 0.16 }, fov = 17, ground_height = 0 })
 return scene

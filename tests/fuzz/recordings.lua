@@ -12,7 +12,8 @@ end
 local scenes = {
   [[local g = s:grid { nx = 3, ny = 3 } s:force("springs", { edges = g:edges(), k = 100, damping = 1 })
 s:force("membrane", { triangles = g:triangles(), stiffness = 10 }) s:channel("heat", { initial = 1, rate = -2 })]],
-  [[local h = s:strand { n = 4, from = { 0, 0, 0 }, to = { 1, 0, 0 } } s:pin { 1 } s:force("springs", { edges = h:edges(), k = 9 })
+  [[local h = s:strand { n = 4, from = { 0, 0, 0 }, to = { 1, 0, 0 }, radius = 0.01, E = 1e7, nu = 0.4, density = 1000, group = "rope" }
+s:pin { 1 } s:force("springs", { edges = h:edges(), k = 9 }) s:rigid { shape = "sphere", radius = 0.1, mass = 1, group = "ball" }
 s:measure("x", function(state) return state:position(2)[1] end)
 s:corrector("obstacle", { shape = "sphere", radius = 1, position = { 0, 0, -2 } })]],
   [[s:source("emitter", { rate = 300, speed = 1, lifetime = 0.02 })]],

@@ -306,6 +306,27 @@ function tests.two_runs_are_compared()
   silent("two runs")
 end
 
+-- ---- groups and thick strands ----
+
+function tests.groups_and_bodies_have_colours_and_strands_their_thickness()
+  open("groups")
+  b:eval("(() => { const s = document.querySelector('#controls select'); s.value = 'by group'; s.dispatchEvent(new Event('change')) })()")
+  b:wait("!document.querySelector('#legend').hidden")
+  local names = b:eval("[...document.querySelectorAll('.legend-group')].map((n) => n.textContent)")
+  assert(table.concat(names, ", ") == "rope, thread <b>, crate", table.concat(names, ", "))
+  local own = b:eval([[(() => { const { layers: [{ edges, solids, points, frame }] } = view.page, { attributes: a } = edges.geometry;
+    return [...a.own.array.slice(0, 2), ...[0, 3].map((i) => [...a.colourBegin.array.slice(i, i + 3)]),
+      solids.bodies[0].object.material.uniforms.own.value.toArray(), frame.radii.length, points.own.sized.value] })()]])
+  assert(math.abs(own[1] - 0.1) < 1e-7 and math.abs(own[2] - 0.04) < 1e-7) -- single precision
+  for k, group in ipairs { 1, 2, 3 } do
+    for c, value in ipairs(b:eval(("view.colours.group(%d)"):format(group))) do assert(math.abs(own[2 + k][c] - value) < 1e-6) end
+  end
+  assert(own[6] == 4 and own[7] == 1)
+  b:press(place(3))
+  b:wait("document.querySelector('#inspector').innerText.includes('thread <b>')")
+  silent("groups")
+end
+
 -- ---- births, deaths, a number that is none, and names that would be markup ----
 
 function tests.what_was_written_is_read_back_within_the_error_that_is_said()
@@ -355,6 +376,7 @@ local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_th
   "arrows_have_a_legend_of_their_length",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
+  "groups_and_bodies_have_colours_and_strands_their_thickness",
   "what_was_written_is_read_back_within_the_error_that_is_said",
   "names_of_a_scene_are_text_and_nothing_in_the_page_reaches_out" }
 

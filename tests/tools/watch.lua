@@ -295,7 +295,7 @@ function tests.a_watched_frame_is_that_of_the_recording()
     for i, row in ipairs(rows) do same(i, row[10], "strain") end
     local topology, edges = w:get(("topology/1/%d"):format(string.unpack("<I4", frame, 5))), {}
     local count = string.unpack("<I4", topology, 9)
-    for e = 1, count do edges[e] = ("l %d %d"):format(string.unpack("<I4I4", topology, 21 + 4 * n + 8 * (e - 1))) end
+    for e = 1, count do edges[e] = ("l %d %d"):format(string.unpack("<I4I4", topology, 29 + 4 * n + 8 * (e - 1))) end
     local lines = {}
     for line in io.lines(("%s/kept/obj/%06d.obj"):format(w.folder, k)) do
       local a, b = line:match("^l (%d+) (%d+)")

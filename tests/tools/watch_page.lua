@@ -18,7 +18,7 @@ local scene = [[
 local N = param("N", 13, "particles along one side", { min = 3, max = 40 })
 local k = param("k", 400, "structural stiffness, N/m", { min = 10, max = 1e5 })
 local scene = hooke.scene { duration = 600 }
-local sheet = scene:grid { nx = N, ny = N, width = 1, height = 1, mass = 0.2 }
+local sheet = scene:grid { nx = N, ny = N, width = 1, height = 1, mass = 0.2, group = "sheet" }
 scene:pin { 1, N }
 scene:force("gravity", {})
 scene:force("springs", { edges = sheet:structural(), k = k, damping = 0.05, label = "structural" })
@@ -77,6 +77,10 @@ function tests.it_follows_the_run_without_a_complaint()
   b:wait(("view.page.layers[0].frame.k > %d + 10"):format(first))
   equal(b:eval("document.querySelector('.doing').textContent"), "running", "what it is doing")
   assert(b:eval("document.querySelectorAll('.chart path').length") > 3, "no lines in the charts")
+  local energy = b:eval("(() => { const list = view.page.sources[0].series.filter((s) => s.group === 'Energy'), k = 5; "
+    .. "return { names: list.map((s) => s.name).join(), values: list.map((s) => s.values[k]), times: list[2].values.length } })()")
+  equal(energy.names, "kinetic,potential,total,work", "the chart of energies")
+  equal(energy.values[3], energy.values[1] + energy.values[2], "the total energy")
   silent("following")
 end
 
@@ -90,6 +94,10 @@ function tests.it_shows_obstacles_and_the_wind()
   assert(math.abs(got.y - got.t / 100) < 1e-6 and math.abs(got.radius - 0.1) < 1e-6, "where it is, in single precision")
   assert(got.wind[1] == 0 and got.wind[2] == 2 and got.wind[3] == 0 and got.count == got.n)
   equal(got.drawn, 2, "the ball and its shadow")
+  local groups = b:eval("(() => { const { sources: [s], layers: [{ frame }] } = view.page; "
+    .. "const of = frame.groups; "
+    .. "return `${s.groups.join()} ${of.length === frame.n} ${new Set(of).size} ${of[0]} ${frame.radii.length}` })()")
+  equal(groups, "default,sheet true 1 1 0", "groups; there is no strand")
   silent("surroundings")
 end
 

@@ -22,6 +22,43 @@ runs.refused("help bnch", "unknown command 'bnch'; did you mean 'bench'?")
 local code, text = runs.run("help gravity drag") -- of several words each
 assert(code == 0 and text:find("force 'gravity'", 1, true) and text:find("force 'drag'", 1, true), text)
 
+-- The place is the scene's line, not the module's; a cell as large as the box; a column of times that is not called t.
+runs.write("fill.lua", [[
+local scene = hooke.scene { duration = 0.1 }
+local water = require("filling").box { low = { 0, 0, 0 }, high = { 1, 1, param("high", 1) }, cell = 0.5 }
+scene:particles { positions = water.positions, mass = water.mass }
+scene:corrector(param("what", "liquid"), { low = { 0, 0, 0 }, high = { 1, 1, 1 }, cell = 2 })
+return scene
+]])
+runs.fails("run fill.lua high=-1 --no-output", "fill.lua:2: filling.box: high is below low, so that there is no room")
+runs.fails("run fill.lua --no-output", "fill.lua:4: liquid: cell: 2 m is twice the box along x, 1 m, or more: take smaller cells")
+runs.write("times.csv", "time,x\n0,1\n")
+runs.write("moving.lua", 'local k = param("k", 1)\nlocal scene = hooke.scene { duration = 0.1 }\nscene:particle {}\n'
+  .. 'scene:measure("x", function() return k end)\nreturn scene\n')
+runs.fails("fit moving.lua --data times.csv --by k", "times.csv:1: the column 'time' is no measure of the scene; it has x, and a column t")
+
+-- What a run that ends by its constraints has to say: three bars of which one is implied, and masses 5e5 apart.
+local function ends(name, lines, ...)
+  runs.write(name, 'local scene = hooke.scene { duration = 0.5, integrator = "leapfrog" }\n' .. lines
+    .. 'scene:pin { 1 }\nscene:force("gravity", {})\nreturn scene\n')
+  local ended, said = runs.run(("run %s --no-output --quiet"):format(name))
+  assert(ended == 3, said)
+  for _, part in ipairs { ... } do assert(said:find(part, 1, true), said) end
+  assert(not said:find("that particle", 1, true), said)
+end
+ends("bars.lua", [[
+for k = 0, 2 do scene:particle { position = { k, 0, 0 } } end
+scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 }, { 1, 3 } } })
+]], "bars.lua:3: bars: the position of equation", "say the same twice, as a bar along two others does? Leave one out")
+ends("masses.lua", [[
+for k = 0, 2 do scene:particle { position = { k, 0, 0 }, mass = ({ 1, 1e-3, 500 })[k + 1] } end
+scene:constraint("bars", { edges = { { 1, 2 }, { 2, 3 } } })
+]], "masses.lua:3: bars:", "its particles have masses of 0.001 and 500 kg", "an adaptive integrator")
+code, text = runs.run("run masses.lua --no-output --quiet --integrator dopri5") -- the remedy is one
+assert(code == 0, text)
+
+runs.refused("optimise ball.lua --starts=-2", "--starts: '-2' is not a whole number above 0")
+
 if pcall(require, "luasql.sqlite3") then
   runs.refused("sweep ball.lua k=", "sweep: k: '': a value between the commas is missing")
   runs.refused("sweep ball.lua k=1..2:foo:3", "sweep: k: '1..2:foo:3': 'foo' is neither linear")

@@ -8,7 +8,7 @@ hooke.history = (() => {
 
   // R of plugins/common/live/messages.h, with what the page knows of fields (tools/common/view/shared.lua).
   const runOf = (text, title, kinds) => {
-    const run = { title, origin: [0, 0, 0], fields: [], measures: [], marks: [] };
+    const run = { title, origin: [0, 0, 0], fields: [], measures: [], marks: [], groups: [] };
     for (const line of text.split("\n")) {
       const [key, value, more, kind] = line.split("\t");
       if (key === "fps") run.fps = Number(value);
@@ -16,6 +16,7 @@ hooke.history = (() => {
       else if (key === "field") run.fields.push({ name: kind === value ? value : `${kind} ${value}`, label: kind === "force" ? `force: ${value}` : value,
         components: Number(more), ...kinds[kind] });
       else if (key === "mark") run.marks.push({ name: value, kind: more });
+      else if (key === "group") run.groups.push(value);
       else if (key === "measure") run.measures.push(value);
     }
     return run;

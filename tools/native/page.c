@@ -222,6 +222,21 @@ static void push_things(lua_State *L) {
   }
 }
 
+/* The colours of groups, in turn. */
+static void push_group_colours(lua_State *L) {
+  lua_createtable(L, HK_GROUP_COLOURS, 0);
+  for (uint32_t k = 0; k < HK_GROUP_COLOURS; k++) {
+    uint8_t colour[4];
+    hk_colormap_group(k, colour);
+    lua_createtable(L, 3, 0);
+    for (int c = 0; c < 3; c++) {
+      lua_pushinteger(L, colour[c]);
+      lua_rawseti(L, -2, c + 1);
+    }
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
 static void push_solids(lua_State *L) {
   lua_newtable(L);
   for (int k = 0; k <= HK_SHAPE_MESH; k++) {
@@ -267,14 +282,16 @@ static void push_field_kinds(lua_State *L) {
   }
 }
 
-/* shared() -> maps { name = packed text }, things { name = { red, green, blue } }, solids { names of the kinds },
- * radii (frame_data/radii.h), fields { kind = { unit =, painted =, map = } } */
+/* shared() -> maps { name = packed text }, things { name = { red, green, blue } }, groups { colours }, solids { names
+ * of the kinds }, radii (frame_data/radii.h), fields { kind = { unit =, painted =, map = } } */
 static int shared(lua_State *L) {
-  lua_createtable(L, 0, 5);
+  lua_createtable(L, 0, 6);
   push_maps(L);
   lua_setfield(L, -2, "maps");
   push_things(L);
   lua_setfield(L, -2, "things");
+  push_group_colours(L);
+  lua_setfield(L, -2, "groups");
   push_solids(L);
   lua_setfield(L, -2, "solids");
   push_radii(L);

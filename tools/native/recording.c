@@ -46,9 +46,10 @@ static int moving(lua_State *L, const hk_recording *r, hid_t set, size_t k, size
   return finish(L, &b, bytes, hk_recording_moving(r, set, k, width, to), k);
 }
 
-static int fixed(lua_State *L, const hk_recording *r, hid_t set, size_t k, hid_t type, size_t item) {
+static int fixed(lua_State *L, hid_t set, hid_t type, size_t item) {
+  const hk_recording *r = at(L);
   luaL_Buffer b;
-  size_t bytes = (size_t)hk_recorded_part_of(r, k)->n * item;
+  size_t k = frame_at(L, r, 2), bytes = (size_t)hk_recorded_part_of(r, k)->n * item;
   void *to = luaL_buffinitsize(L, &b, bytes + 8);
   return finish(L, &b, bytes, hk_recording_fixed(r, set, k, type, to), k);
 }
@@ -72,19 +73,20 @@ static int strain(lua_State *L) {
 }
 
 /* ids(k): n uint32_t. masses(k): n doubles. pins(k): n bytes (core/plugin/model.h, hk_pin). */
-static int ids(lua_State *L) {
-  const hk_recording *r = at(L);
-  return fixed(L, r, r->id, frame_at(L, r, 2), H5T_NATIVE_UINT32, sizeof(uint32_t));
-}
+static int ids(lua_State *L) { return fixed(L, at(L)->id, H5T_NATIVE_UINT32, sizeof(uint32_t)); }
+static int masses(lua_State *L) { return fixed(L, at(L)->mass, H5T_NATIVE_DOUBLE, sizeof(double)); }
+static int pins(lua_State *L) { return fixed(L, at(L)->pin, H5T_NATIVE_UINT8, 1); }
 
-static int masses(lua_State *L) {
+/* groups_and_radii(k) -> n uint32_t, of each particle its place in `groups`, from 0, or nil where there is one group; n
+ * doubles, m, the radii of strands, 0 of what is of none, or nil. */
+static int groups_and_radii(lua_State *L) {
   const hk_recording *r = at(L);
-  return fixed(L, r, r->mass, frame_at(L, r, 2), H5T_NATIVE_DOUBLE, sizeof(double));
-}
-
-static int pins(lua_State *L) {
-  const hk_recording *r = at(L);
-  return fixed(L, r, r->pin, frame_at(L, r, 2), H5T_NATIVE_UINT8, 1);
+  luaL_Buffer b;
+  size_t k = frame_at(L, r, 2), bytes = (size_t)hk_recorded_part_of(r, k)->n * sizeof(uint32_t);
+  lua_settop(L, 2);
+  void *to = r->group < 0 ? lua_pushnil(L), NULL : luaL_buffinitsize(L, &b, bytes + 8);
+  if (to) finish(L, &b, bytes, hk_recording_groups(r, k, to), k);
+  return 1 + (r->strand_radius < 0 ? 0 : fixed(L, r->strand_radius, H5T_NATIVE_DOUBLE, sizeof(double)));
 }
 
 /* edges(k): 2 uint32_t for each, indices of particles from 0. triangles(k): 3 for each. */
@@ -261,6 +263,8 @@ static void push_solid(lua_State *L, const hk_frame_solid *s) {
   set_text(L, "kind", hk_solid_names[s->kind]);
   lua_pushboolean(L, s->hollow);
   lua_setfield(L, -2, "hollow");
+  lua_pushinteger(L, s->group);
+  lua_setfield(L, -2, "group");
   lua_pushboolean(L, s->body);
   lua_setfield(L, -2, "body");
   lua_pushlstring(L, s->vertices ? (const char *)s->vertex : "", s->vertices * 3 * sizeof *s->vertex);
@@ -274,6 +278,15 @@ static void push_solids(lua_State *L, const hk_recorded_solids *s) {
   for (size_t k = 0; k < s->count; k++) {
     push_solid(L, &s->solid[k]);
     lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
+/* The names of the groups; empty where there is one. */
+static void push_groups(lua_State *L, const char *names) {
+  lua_newtable(L);
+  for (const char *end; (end = strchr(names, '\n')); names = end + 1) {
+    lua_pushlstring(L, names, (size_t)(end - names));
+    lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
   }
 }
 
@@ -305,6 +318,8 @@ static void push_fields(lua_State *L, const hk_recording *r) {
     lua_setfield(L, -2, r->serie[k].name);
   }
   lua_setfield(L, -2, "series");
+  push_groups(L, r->groups);
+  lua_setfield(L, -2, "groups");
   push_solids(L, &r->solids);
   lua_setfield(L, -2, "solids");
   push_marks(L, &r->marks);
@@ -352,6 +367,7 @@ int luaopen_recording(lua_State *L) {
                                      {"ids", ids},
                                      {"masses", masses},
                                      {"pins", pins},
+                                     {"groups_and_radii", groups_and_radii},
                                      {"edges", edges},
                                      {"triangles", triangles},
                                      {"edge_strain", edge_strain},

@@ -3,6 +3,7 @@
 view.app = (() => {
   const { el } = view.dom;
   const $ = (id) => document.getElementById(id);
+  const GROUPS = "by group"; // as a choice of colours; a field is called otherwise, by its kind or "KIND NAME"
 
   class App {
     // sources: one or two; more: { difference: { times, rms, most, largest }, bench, title, note }
@@ -77,8 +78,8 @@ view.app = (() => {
       }) : null;
       if (this.sources.length > 1) nodes.push(choice("two runs", [["side", "side by side"], ["over", "in one picture"],
         ["difference", "difference"]], "side", (mode) => this.arrange(mode)));
-      nodes.push(select("Colour", "what the colours stand for", [["", "none"], ...fields.map((f) => [f.name, f.painted || f.label])],
-        "", (name) => { this.paint = name; this.refresh(); }));
+      nodes.push(select("Colour", "what the colours stand for", [["", "none"], ...fields.map((f) => [f.name, f.painted || f.label]),
+        ...this.sources.some((s) => s.groups.length) ? [[GROUPS, "group"]] : []], "", (name) => { this.paint = name; this.refresh(); }));
       if (vectors.length) nodes.push(select("Arrows", "vectors of each particle", [["", "none"], ...vectors.map((f) => [f.name, f.label])],
         "", (name) => { this.arrowsOf = name; this.refresh(); }));
       this.checks = { points: check("particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
@@ -190,19 +191,28 @@ view.app = (() => {
         if (s && !s.field) numbers = j === 0 ? view.compare.distances(frame, frames[1], this.sources[0].origin, this.sources[1].origin) : null;
         else if (s) numbers = this.numbers(frame, s.field);
         let colours = null;
+        const byGroup = !s && this.paint === GROUPS;
+        if (byGroup && frame.groups.length) view.colours.paintGroups(frame.groups, colours = new Float32Array(3 * frame.n));
         if (numbers) view.colours.paint(numbers, s.scale, colours = new Float32Array(3 * frame.n));
         layer.every = this.economy.every;
         layer.sparing = this.economy;
         const arrows = this.arrows(layer.source, frame);
-        layer.show(frame, colours, arrows, this.pickedId);
+        layer.show(frame, colours, arrows, this.pickedId, byGroup);
         if (j === 0) this.arrowScale = arrows;
-        if (j === 0) view.colours.legend($("legend"), layer.painted && s.title, s && s.scale);
+        if (j === 0 && byGroup) this.groupLegend(frame);
+        else if (j === 0) view.colours.legend($("legend"), layer.painted && s.title, s && s.scale);
       });
       this.showPicked(frames);
       this.synchronise();
       this.economy.pace(this.clock.playing, this.layers);
       this.showNotes();
       this.stage.draw();
+    }
+
+    groupLegend(frame) {
+      const { groups, solids } = this.sources[0], used = new Set(frame.groups);
+      solids.forEach((solid) => { if (solid.group > 1) used.add(solid.group - 1); });
+      view.colours.groupLegend($("legend"), groups, [...used].sort((a, b) => a - b));
     }
 
     // With each picture, since the camera may have moved: a bar as long as an arrow of a round size is at the middle of the motion,

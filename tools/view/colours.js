@@ -14,7 +14,7 @@ view.colours = (() => {
       things[name] = colour.map((v) => v / 255);
       document.documentElement.style.setProperty(`--${name.replaceAll(" ", "-")}`, `rgb(${colour.join(" ")})`);
     }
-    Object.assign(view.colours, { solids: shared.solids, radii: shared.radii });
+    Object.assign(view.colours, { solids: shared.solids, radii: shared.radii, groups: shared.groups.map((colour) => colour.map((v) => v / 255)) });
   };
 
   // The colour of a thing; by night, where it has another one then, that.
@@ -48,6 +48,24 @@ view.colours = (() => {
     }
   };
 
+  // The colour of a group; there are eight, in turn.
+  const group = (k) => view.colours.groups[k % view.colours.groups.length];
+
+  // Of each particle that of its group.
+  const paintGroups = (groups, into) => groups.forEach((k, i) => into.set(group(k), 3 * i));
+
+  // names: of the groups; used: those that are there
+  const groupLegend = (node, names, used) => {
+    clear(node).hidden = false;
+    const MOST = 12, shown = used.slice(0, MOST), entry = (k) => {
+      const sample = el("i", {});
+      sample.style.background = `rgb(${group(k).map((v) => Math.round(255 * v)).join(",")})`;
+      return el("span", { class: "legend-group" }, sample, names[k]);
+    };
+    node.append(el("div", { class: "legend-title" }, "group"), el("div", { class: "legend-groups" }, shown.map(entry),
+      used.length > MOST ? el("span", {}, `and ${used.length - MOST} more`) : null));
+  };
+
   // Ends beyond which numbers lie are pointed, in the colour that those have.
   const bar = ({ map, below, above }) => {
     const table = tables[map], stops = [];
@@ -74,5 +92,5 @@ view.colours = (() => {
       el("span", {}, `${s.above ? "≥ " : ""}${short(s.high, 3)}`)));
   };
 
-  return { load, thing, scale, paint, legend };
+  return { load, thing, scale, paint, legend, group, paintGroups, groupLegend };
 })();

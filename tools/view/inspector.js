@@ -22,6 +22,7 @@ view.inspector = (() => {
         const v = vector(numbers, index, f.components);
         rows.push([f.label, said(v, f.error, f.unit) + (f.components === 3 ? ` (${within(Math.hypot(...v), f.error)})` : "")]);
       }
+      if (source.groups.length) rows.push(["group", source.groups[frame.groups[index]]]);
       if (frame.pins.includes(index)) rows.push(["pinned", "yes"]);
       node.append(el("button", { class: "close", title: "let go (escape)", onclick: close }, "×"),
         el("h2", {}, `Particle ${frame.ids[index]}`), el("dl", {}, rows.map(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])));

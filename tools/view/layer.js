@@ -81,11 +81,12 @@ view.layer = (() => {
     }
 
     // colours: of each particle, or null; arrows: numbers (3n) and the length of one of size 1, or null
-    show(frame, colours, arrows, pickedId) {
+    // byGroup: whether they are those of groups, which rigid bodies have as well
+    show(frame, colours, arrows, pickedId, byGroup = false) {
       if (this.radius === undefined && frame.n) this.defaults(frame);
       this.frame = frame;
       const paint = colours || this.plain(frame.n), s = this.shown;
-      this.coloured = !!colours;
+      this.coloured = !!colours && !byGroup;
       this.surface.show(frame, paint, !colours);
       const { edges, alone, pins } = view.topology.of(this.source, frame);
       this.edges.show(frame, s.edges ? frame.edges : edges, paint);
@@ -93,6 +94,7 @@ view.layer = (() => {
       this.showBalls(frame, this.balls === frame.n ? null : alone, paint);
       this.pins.show(frame, pins, pins.length, thing("held"));
       this.solids.show(frame, s.solids);
+      this.solids.colour(byGroup);
       this.showMarks(frame);
       this.showArrows(frame, arrows);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
@@ -106,7 +108,16 @@ view.layer = (() => {
     showBalls(frame, list, paint) {
       const count = Math.ceil(this.balls / this.every), by = this.sparing && this.sparing.splats(this.balls);
       by ? this.points.hide() : this.splats.hide();
-      (by ? this.splats : this.points).show(frame, list, count, paint, { every: this.every, radii: frame.values[view.points.RADIUS] });
+      (by ? this.splats : this.points).show(frame, list, count, paint, { every: this.every, radii: this.radiiOfBalls(frame) });
+    }
+
+    // A channel has those of grains; particles of strands are no thinner than these.
+    radiiOfBalls({ values, radii }) {
+      const { ball } = this.radius || { ball: 0 };
+      if (values[view.points.RADIUS] || !radii || !radii.length) return values[view.points.RADIUS];
+      if (this.thick !== radii || this.thickOver !== ball)
+        Object.assign(this, { thick: radii, thickOver: ball, thickened: radii.map((r) => Math.max(r, ball)) });
+      return this.thickened;
     }
 
     showMarks(frame) {

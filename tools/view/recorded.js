@@ -7,13 +7,14 @@
 //   source.fields          [{ name, label, unit, components, map }], numbers of particles beside their positions
 //   source.origin          [x, y, z], m: positions are relative to it, so that single precision will do
 //   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
-//   source.solids          [{ kind, hollow, body, vertices, faces }], what particles bounce off, and surfaces of rigid bodies (solids.js)
+//   source.solids          [{ kind, hollow, body, group (1 + its place in groups, or 0), vertices, faces }], what particles bounce off, and surfaces of rigid bodies (solids.js)
 //   source.marks           [{ key, name, kind: "wind" or "contact", largest }]: key may stand among the fields of get
+//   source.groups          names of the groups; none where there is one only
 //   source.most            particles at once; left out where that is unknown
 //   source.title, source.summary, source.series, source.error
 //
-// and of a frame { k, t, n, ids, x (3n), edges, triangles, pins (indices), topology (a number that changes when the last
-// three do), values: { name: numbers }, solids: of each solid its centre and three axes (12 numbers),
+// and of a frame { k, t, n, ids, x (3n), edges, triangles, pins (indices), groups (n, places in source.groups, or none), radii
+// (n, m, of strands, 0 of what is of none; or none), topology (a number that changes when the last five do), values: { name: numbers }, solids: of each solid its centre and three axes (12 numbers),
 // marks: { key: { places, vectors (3 each), count, total } } }.
 "use strict";
 view.recorded = (() => {
@@ -37,6 +38,7 @@ view.recorded = (() => {
       this.most = Math.max(...run.populations.map((p) => p.n));
       this.fields = run.streams.filter((s) => s.name !== "position");
       for (const key of ["title", "summary", "series", "fps"]) this[key] = run[key];
+      this.groups = run.groups || [];
       const p = run.streams.find((s) => s.name === "position");
       this.origin = p.low.map((low, c) => (low + p.high[c]) / 2);
       this.bounds = { low: p.low.map((v, c) => v - this.origin[c]), high: p.high.map((v, c) => v - this.origin[c]) };
@@ -64,7 +66,7 @@ view.recorded = (() => {
     async unpackSolids() {
       const list = async (id) => id ? view.codec.indices(await view.codec.unpack(text(id))) : new Uint32Array(0);
       const { solids } = this.run;
-      this.solids = await Promise.all((solids ? solids.list : []).map(async (s) => ({ kind: s.kind, hollow: s.hollow, body: s.body,
+      this.solids = await Promise.all((solids ? solids.list : []).map(async (s) => ({ kind: s.kind, hollow: s.hollow, body: s.body, group: s.group,
         vertices: new Float32Array((await list(s.vertices)).buffer), faces: await list(s.faces) })));
       this.places = solids ? new Float32Array((await list(solids.places)).buffer) : new Float32Array(0);
     }
@@ -98,10 +100,10 @@ view.recorded = (() => {
       if (!this.topologies.has(number)) {
         const entry = this.run.topologies[number];
         const list = async (id) => id ? view.codec.indices(await view.codec.unpack(text(id))) : new Uint32Array(0);
-        this.topologies.set(number, Promise.all([list(entry.edges), list(entry.triangles), list(entry.pins)]));
+        this.topologies.set(number, Promise.all(["edges", "triangles", "pins", "groups", "radii"].map((name) => list(entry[name]))));
       }
-      const [edges, triangles, pins] = await this.topologies.get(number);
-      return { edges, triangles, pins, topology: number };
+      const [edges, triangles, pins, groups, radii] = await this.topologies.get(number);
+      return { edges, triangles, pins, groups, radii: new Float32Array(radii.buffer, radii.byteOffset, radii.length), topology: number };
     }
 
     async marksAt(k, number, inside, mark) {

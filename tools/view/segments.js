@@ -6,8 +6,9 @@ view.segments = (() => {
 
   const place = `
     attribute vec3 begin, end;
+    attribute float own; // of strands, 0: it has none
     uniform float radius, least, scale, taper;
-    float width(vec3 p, float along) { return max(radius, least * -p.z / scale) * mix(1.0, 0.06, along * taper); }`;
+    float width(vec3 p, float along) { return max(own > 0.0 ? own : radius, least * -p.z / scale) * mix(1.0, 0.06, along * taper); }`;
   const vertex = `
     ${place}
     attribute vec3 colourBegin, colourEnd;
@@ -64,10 +65,17 @@ view.segments = (() => {
       this.mesh.visible = this.shadow.visible = count > 0;
     }
 
-    // Arrays to fill, for so many pieces.
+    // Arrays to fill, for so many pieces, none of which has a radius of its own.
     arrays(count) {
       this.count(count);
+      array(this.geometry, "own", 1, count, true).fill(0);
       return ["begin", "end", "colourBegin", "colourEnd"].map((name) => array(this.geometry, name, 3, count, true));
+    }
+
+    // The mean of both ends, of those that have a radius, as in pictures (plugins/common/picture/geometry.c).
+    static radius(radii, i, j) {
+      const a = radii[i], b = radii[j];
+      return a > 0 && b > 0 ? (a + b) / 2 : a + b;
     }
 
     // Pairs of indices of particles.
@@ -75,7 +83,8 @@ view.segments = (() => {
       const count = pairs.length / 2;
       this.count(count);
       if (count === 0) return;
-      const [begin, end, first, second] = this.arrays(count);
+      const [begin, end, first, second] = this.arrays(count), own = frame.radii && frame.radii.length && array(this.geometry, "own", 1, count, true);
+      for (let e = 0; own && e < count; e++) own[e] = Segments.radius(frame.radii, pairs[2 * e], pairs[2 * e + 1]);
       for (let e = 0, at = 0; e < count; e++) {
         const i = 3 * pairs[2 * e], j = 3 * pairs[2 * e + 1];
         for (let c = 0; c < 3; c++, at++) {

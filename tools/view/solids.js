@@ -116,7 +116,7 @@ view.solids = (() => {
       const body = object(THREE.Mesh, made, material(vertex, fragment, own, { side })), { position } = made.attributes;
       made.computeBoundingSphere();
       this.add(this.mesh, body, at);
-      this.bodies.push({ object: body, x: position.array, count: position.count, index: made.index && made.index.array,
+      this.bodies.push({ group: solid.group, object: body, x: position.array, count: position.count, index: made.index && made.index.array,
         sphere: made.boundingSphere, rigid: solid.body, side: solid.hollow ? view.sight.BACK : view.sight.FRONT });
       if (!solid.hollow) this.add(this.shadow, object(THREE.Mesh, made, material(shadowVertex, shadowFragment, this.uniforms,
         { side: THREE.DoubleSide, ...view.light.LAID })), at);
@@ -133,6 +133,12 @@ view.solids = (() => {
       this.mesh.visible = this.shadow.visible = on;
       for (const { body, at } of this.parts) place(body, frame.solids, at);
       for (const { disc, at } of this.planes) this.lay(disc.mesh, frame.solids, at);
+    }
+
+    // Whether rigid bodies have the colours of their groups; those of the first, which has no name, have that of all.
+    colour(byGroup) {
+      for (const { group, object: { material: { uniforms } } } of this.bodies)
+        uniforms.own.value.fromArray(byGroup && group > 1 ? view.colours.group(group - 1) : view.colours.thing("body"));
     }
 
     // While they hide more than half of a sample of the motion from the eye obstacles are transparent, and hide nothing from it.

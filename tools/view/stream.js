@@ -13,7 +13,7 @@ view.stream = (() => {
     const [count] = new Uint32Array(buffer, 0, 1), head = new Uint32Array(buffer, 4, 4 * count), solids = [];
     for (let k = 0; k < count; k++) {
       const [kind, flags, vertices, faces] = head.subarray(4 * k, 4 * k + 4);
-      solids.push({ kind: view.colours.solids[kind], hollow: (flags & 1) > 0, body: (flags & 2) > 0, vertices, faces });
+      solids.push({ kind: view.colours.solids[kind], hollow: (flags & 1) > 0, body: (flags & 2) > 0, group: flags >>> 2, vertices, faces });
     }
     let at = 4 + 16 * count;
     const list = (Kind, length) => { const a = new Kind(buffer, at, length); at += 4 * length; return a; };
@@ -26,7 +26,7 @@ view.stream = (() => {
 
   class Stream {
     constructor() {
-      Object.assign(this, { number: 0, solids: [], marks: [], times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
+      Object.assign(this, { number: 0, solids: [], marks: [], groups: [], times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
         bounds: { low: [0, 0, 0], high: [0, 0, 0] }, origin: [0, 0, 0], error: { positions: 0, extent: 0 }, topologies: new Map() });
     }
 
@@ -36,9 +36,9 @@ view.stream = (() => {
     // True: what the run has to tell is other than before, so that the page is to be built again.
     async begin(number) {
       const run = await view.link.json(`run/${number}`), solids = solidsOf(await view.link.bytes(`solids/${number}`));
-      const shape = JSON.stringify([run.fields, run.measures, run.marks, solids.length > 0]);
+      const shape = JSON.stringify([run.fields, run.measures, run.marks, run.groups, solids.length > 0]);
       const other = this.shape !== undefined && this.shape !== shape;
-      Object.assign(this, { number, run, shape, title: run.title, summary: null, origin: run.origin, solids });
+      Object.assign(this, { number, run, shape, title: run.title, summary: null, origin: run.origin, solids, groups: run.groups || [] });
       this.marks = run.marks.map((m, j) => ({ ...m, key: `mark ${j}`, largest: 0 }));
       if (!this.fields.length) this.fields = run.fields.map((f) => ({ ...f, least: 0, most: 0 }));
       if (!this.series.length) this.series = this.charts(run.measures);
@@ -49,20 +49,24 @@ view.stream = (() => {
       return other;
     }
 
+    // A series is the sum of numbers that the run tells: the total energy of two, all others of one.
     charts(measures) {
-      const list = [...FIXED, ...measures.map((name) => [name, "", name])];
-      return list.map(([group, unit, name]) => ({ group, unit, name, times: this.times, values: [] }));
+      const told = [...FIXED, ...measures.map((name) => [name, "", name])];
+      const list = told.map(([group, unit, name], k) => ({ group, unit, name, sum: [k], times: this.times, values: [] }));
+      list.splice(2, 0, { group: "Energy", unit: "J", name: "total", sum: [0, 1], times: this.times, values: [] });
+      this.told = told.length;
+      return list;
     }
 
     // Numbers of the frames that are new, up to the whole ones there are.
     async learn(known) {
       this.known = known;
-      const width = 1 + this.series.length;
+      const width = 1 + this.told;
       for (let c = Math.floor(this.times.length / CHUNK); c * CHUNK < known.frames; c++) {
         const all = new Float64Array(await view.link.bytes(`numbers/${this.number}/${c}`));
         for (let k = this.times.length - c * CHUNK; k < all.length / width; k++) {
           this.times.push(all[k * width]);
-          this.series.forEach((s, j) => s.values.push(all[k * width + 1 + j]));
+          for (const s of this.series) s.values.push(s.sum.reduce((sum, j) => sum + all[k * width + 1 + j], 0));
         }
       }
     }
@@ -79,10 +83,11 @@ view.stream = (() => {
     topology(number) {
       const name = `topology/${this.number}/${number}`;
       if (!this.topologies.has(name)) this.topologies.set(name, view.link.bytes(name).then((buffer) => {
-        const [, n, edges, triangles, pins] = new Uint32Array(buffer, 0, 5);
-        let at = 20;
-        const list = (length) => { const a = new Uint32Array(buffer, at, length); at += 4 * length; return a; };
-        return { ids: list(n), edges: list(2 * edges), triangles: list(3 * triangles), pins: list(pins), topology: name };
+        const [, n, edges, triangles, pins, groups, radii] = new Uint32Array(buffer, 0, 7);
+        let at = 28;
+        const list = (length, Kind = Uint32Array) => { const a = new Kind(buffer, at, length); at += 4 * length; return a; };
+        return { ids: list(n), edges: list(2 * edges), triangles: list(3 * triangles), pins: list(pins), groups: list(groups),
+          radii: list(radii, Float32Array), topology: name };
       }));
       return this.topologies.get(name);
     }

@@ -16,13 +16,13 @@ static hk_status open_pin(hk_pin_state *pin, hk_state *state, hk_error *error) {
     uint32_t i;
     if (!hk_state_index(state, spec->id[k], &i)) continue; /* the particle died before the checkpoint */
     if (state->pin[i] == HK_PIN_RIDES)
-      return hk_error_set(
-          error, HK_BAD_PARAM,
-          "%s: pin: particle %u is a point of a rigid body and goes where that goes: join it to a pinned "
-          "particle by a constraint, or the body to what stands still by a joint",
-          spec->where, spec->id[k]);
+      return hk_error_set(error, HK_BAD_PARAM,
+                          "%s: pin: particle %u is a point of a rigid body and goes where that goes: join it to a "
+                          "pinned particle by a constraint, or the body to what stands still by a joint",
+                          spec->where, spec->id[k]);
     if (state->pin[i] != HK_FREE)
-      return hk_error_set(error, HK_BAD_PARAM, "%s: pin: particle %u is pinned twice", spec->where, spec->id[k]);
+      return hk_error_set(error, HK_BAD_PARAM, "%s: pin: particle %u is pinned already: leave it out of one of the two",
+                          spec->where, spec->id[k]);
     if (state->mass[i] == 0 && isfinite(spec->release))
       return hk_error_set(error, HK_BAD_PARAM, "%s: pin: particle %u has no mass and cannot be released", spec->where,
                           spec->id[k]);

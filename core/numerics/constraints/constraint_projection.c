@@ -82,11 +82,10 @@ static hk_status refuse(hk_dynamics *d, size_t equation, double left, const char
 }
 
 static hk_status gave_up(hk_dynamics *d, size_t equation, bool position, double left) {
-  char rest[REST], others[REST / 2] = "";
+  char rest[REST], others[REST / 2] = "", doubt[REST / 4];
   if (position && isfinite(left)) name_others(d, equation, others, sizeof others);
-  snprintf(rest, sizeof rest,
-           " cannot be brought onto the constraint: %.3g %s are left; do constraints contradict each other?%s", left,
-           position ? "m" : "m/s", others);
+  snprintf(rest, sizeof rest, " cannot be brought onto the constraint: %.3g %s are left; %s%s", left,
+           position ? "m" : "m/s", hk_constraint_doubt(d, equation, doubt, sizeof doubt), others);
   return refuse(d, equation, left, position ? "the position of " : "the velocity of ", rest);
 }
 

@@ -148,6 +148,28 @@ void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_
   if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");
 }
 
+const char *hk_constraint_doubt(const hk_dynamics *d, size_t equation, char *text, size_t size) {
+  /* Of two bars at the chosen step those with masses 5e2 to 5e4 apart are solved, and those 5e5 apart are not. */
+  static const double unlike = 1e5;
+  const hk_constraints *c = d->constraints;
+  size_t blocks = c->riding.given ? c->riding.given : c->blocks;
+  uint32_t(*pair)[2] = c->riding.given ? c->riding.pair : c->list.pair;
+  double least = INFINITY, most = 0;
+  for (size_t b = 0; b < blocks; b++) {
+    double mass = pair[b][0] == equation ? d->state->mass[pair[b][1]] : 0;
+    if (mass > 0 && d->state->model.inverse_mass[pair[b][1]] > 0) least = fmin(least, mass), most = fmax(most, mass);
+  }
+  if (most > unlike * least)
+    snprintf(text, size,
+             "its particles have masses of %.3g and %.3g kg: an adaptive integrator (--tol) may follow the light one.",
+             least, most);
+  else
+    snprintf(text, size,
+             "do constraints contradict each other, or say the same twice, as a bar along two others does? Leave one "
+             "out.");
+  return text;
+}
+
 bool hk_constraint_held(const hk_dynamics *d, uint32_t pin) {
   if (pin == UINT32_MAX) return false;
   const hk_pin_spec *spec = d->pins->item[pin].spec;

@@ -157,6 +157,9 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
  * equations it has; 0: the pair begins before it, -1: it is of another kind, or of what changes with time. */
 int hk_rigid_pair_of(const hk_dynamics *, size_t equation, uint32_t end[2], struct hk_rigid_pair *);
 
+/* Written to `text`: what may keep the equation from being solved, and what to do about it. */
+const char *hk_constraint_doubt(const hk_dynamics *, size_t equation, char *text, size_t size);
+
 /* ---- restitution.c ---- */
 
 hk_status hk_restitution_open(hk_dynamics *); /* once the equations are numbered */

@@ -38,11 +38,12 @@ static const char *find_force(hk_loop *loop, const double *X, size_t n, size_t *
   return label;
 }
 
-static void remedy(const hk_loop *loop, char *text, size_t size) {
+/* What did not converge names its particles itself. */
+static void remedy(const hk_loop *loop, hk_status cause, char *text, size_t size) {
   if (loop->last_h > hk_step_choice_of(loop)->dt_limit)
     snprintf(text, size, "; the step %g s is above the stable limit %g s: leave dt out or give less", loop->last_h,
              hk_step_choice_of(loop)->dt_limit);
-  else if (loop->method->flags & HK_IMPLICIT)
+  else if (cause == HK_NOT_CONVERGED || loop->method->flags & HK_IMPLICIT)
     snprintf(text, size, "; try a smaller dt or fps");
   else
     snprintf(text, size, "; try a smaller dt, and look at the masses and stiffnesses of that particle");
@@ -80,7 +81,7 @@ static void explain(hk_loop *loop, const hk_judgement *j, char *text, size_t siz
 
 hk_status hk_diagnose(hk_loop *loop, hk_judgement *j, hk_status cause) {
   char fix[200], what[400];
-  remedy(loop, fix, sizeof fix);
+  remedy(loop, cause, fix, sizeof fix);
   if (cause == HK_NOT_CONVERGED)
     snprintf(j->reason, sizeof j->reason, "did not converge at step %zu, t = %g s: %.700s%s", loop->record->steps + 1,
              loop->state->t, loop->error->text, fix);

@@ -15,6 +15,7 @@ typedef struct hk_view_setup {
   double middle[3];       /* what is farther from here than fifty times the size is left out */
   bool floor, shadows;
   bool see_through;          /* obstacles that hide most of the motion are transparent */
+  double obstacle_clearness; /* 0: obstacles are opaque, but for what see_through does; 1: they are not seen */
   double height;             /* height of the floor */
   double offset[2];          /* offset of the origin from the scene's, so that grid lines are at round coordinates */
   double point, tube, pin;   /* radii of particles, springs and pinned particles */

@@ -119,8 +119,8 @@ void hk_colormap_colour(uint8_t (*table)[4], double place, uint8_t colour[4]) {
 }
 
 void hk_colormap_group(uint32_t group, uint8_t colour[4]) {
-  static const uint8_t list[8][3] = {{70, 130, 180}, {230, 140, 40}, {40, 158, 115}, {204, 100, 140},
-                                     {240, 205, 70}, {90, 180, 233}, {200, 80, 40},  {120, 110, 160}};
-  memcpy(colour, list[group % 8], 3);
+  static const uint8_t list[HK_GROUP_COLOURS][3] = {{70, 130, 180}, {230, 140, 40}, {40, 158, 115}, {204, 100, 140},
+                                                    {240, 205, 70}, {90, 180, 233}, {200, 80, 40},  {120, 110, 160}};
+  memcpy(colour, list[group % HK_GROUP_COLOURS], 3);
   colour[3] = 255;
 }

@@ -24,7 +24,9 @@ enum { HK_MAP_SIZE = 512 };
 void hk_colormap_fill(hk_colormap, int reverse, uint8_t table[HK_MAP_SIZE][4]);
 /* The colour at `place`, 0..1; places beyond get the colours of the ends, NAN black. */
 void hk_colormap_colour(uint8_t (*table)[4], double place, uint8_t colour[4]);
-/* One of eight colours in turn, which are distinguishable for the colour-blind. */
+enum { HK_GROUP_COLOURS = 8 };
+
+/* One of these in turn, which are distinguishable for the colour-blind. */
 void hk_colormap_group(uint32_t group, uint8_t colour[4]);
 
 #endif

@@ -200,6 +200,14 @@ static void note_numbers(hk_film *f) {
   if (memcmp(before, after, sizeof before) != 0) f->painter.kept = false;
 }
 
+/* Rigid bodies have the colour of their group where groups have colours; those of the first, which has no name, that of
+ * all bodies. */
+static void take_skins(const hk_film *f, const hk_view *view, hk_frame_solid *solid) {
+  hk_skin_solids(view, f->appearance.y_up, solid, f->skins);
+  for (size_t k = 0; k < f->skins && f->appearance.paint == HK_PAINT_GROUP; k++)
+    if (solid[k].group > 1) hk_colormap_group(solid[k].group - 1, solid[k].colour);
+}
+
 hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool changed) {
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
   if (status != HK_OK) return status;
@@ -209,7 +217,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
   if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;
-  if (f->skins) hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + liquid - f->skins, f->skins);
+  if (f->skins) take_skins(f, view, f->snapshot.solid + liquid - f->skins);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)

@@ -4,6 +4,7 @@
 #define HK_FRAME_DATA_H
 
 #include "plugins/common/frame_data/marks.h"
+#include "plugins/common/frame_data/radii.h"
 #include "plugins/common/frame_data/solid.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
@@ -36,6 +37,10 @@ typedef struct hk_frame_data {
   double *x, *v, *mass; /* n x 3, n x 3, n */
   uint32_t *id;         /* n */
   uint8_t *pin;         /* n, hk_pin */
+  size_t groups;        /* of the scene, */
+  const char *const *group_name;
+  uint32_t *group;       /* n: of each particle its place in group_name; NULL: all are in one */
+  double *strand_radius; /* n, m: of the strand or rod that the particle is of; 0: of none; NULL: none has one */
   hk_frame_cells cells;
   double *cell_strain; /* per cell, in their order; NAN: none is known; NULL: of no cell */
   double *strain;      /* n: of the elements of a particle the largest by magnitude; NULL: none has a strain */
@@ -82,6 +87,8 @@ typedef enum hk_gatherer_array {
   HK_ROOM_MASS,
   HK_ROOM_ID,
   HK_ROOM_PIN,
+  HK_ROOM_GROUP,
+  HK_ROOM_STRAND_RADIUS,
   HK_ROOM_EVERY,
   HK_ROOM_STRAIN,
   HK_ROOM_VERTEX,
@@ -106,6 +113,7 @@ typedef struct hk_gatherer {
   bool dirty;                      /* the topology changed */
   bool strained;                   /* the scene has elements with a strain */
   const hk_obstacles *obstacles;
+  hk_strand_radii radii;
 } hk_gatherer;
 
 #endif

@@ -49,6 +49,9 @@ static bool reserve(hk_gatherer *s, size_t n) {
               hk_make_room(&data->mass, &s->room[HK_ROOM_MASS], n, sizeof *data->mass) &&
               hk_make_room(&data->id, &s->room[HK_ROOM_ID], n, sizeof *data->id) &&
               hk_make_room(&data->pin, &s->room[HK_ROOM_PIN], n, sizeof *data->pin) &&
+              hk_make_room(&data->group, &s->room[HK_ROOM_GROUP], n, sizeof *data->group) &&
+              (!hk_strand_radii_any(&s->radii) ||
+               hk_make_room(&data->strand_radius, &s->room[HK_ROOM_STRAND_RADIUS], n, sizeof *data->strand_radius)) &&
               hk_make_room(&s->every, &s->room[HK_ROOM_EVERY], 3 * n, sizeof *s->every) &&
               (!s->strained || hk_make_room(&data->strain, &s->room[HK_ROOM_STRAIN], n, sizeof *data->strain));
   for (size_t k = 0; k < data->arrays && fine; k++) {
@@ -80,14 +83,23 @@ static void gather(const hk_gatherer *s, const double *from, size_t width, doubl
   for (size_t j = 0; j < s->data.n; j++) memcpy(to + width * j, from + width * s->kept[j], width * sizeof *to);
 }
 
-/* True: one of the particles, masses or pins is another one than in the frame before. */
+/* Writes to *to. Whether it was another. */
+static bool differs(double *to, double value) {
+  bool other = *to != value;
+  *to = value;
+  return other;
+}
+
+/* True: one of the particles, masses, pins, groups or radii is another one than in the frame before. */
 static bool gather_model(hk_gatherer *s, const hk_model *m, size_t n_before) {
   hk_frame_data *data = &s->data;
   bool other = data->n != n_before;
   for (size_t j = 0; j < data->n; j++) {
     size_t i = s->kept[j];
-    other = other || data->id[j] != m->id[i] || data->mass[j] != m->mass[i] || data->pin[j] != m->pin[i];
-    data->id[j] = m->id[i], data->mass[j] = m->mass[i], data->pin[j] = m->pin[i];
+    other = other || data->id[j] != m->id[i] || data->mass[j] != m->mass[i] || data->pin[j] != m->pin[i] ||
+            data->group[j] != m->group[i];
+    data->id[j] = m->id[i], data->mass[j] = m->mass[i], data->pin[j] = m->pin[i], data->group[j] = m->group[i];
+    if (data->strand_radius) other |= differs(&data->strand_radius[j], hk_strand_radius(&s->radii, m, i));
   }
   return other;
 }
@@ -141,6 +153,8 @@ static hk_status take(hk_gatherer *s, const hk_view *view) {
 hk_status hk_gatherer_choose(hk_gatherer *s, const hk_host *host, const hk_model *m, const char *group) {
   s->obstacles = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!s->obstacles) return HK_FAILED;
+  s->radii = hk_strand_radii_find(host, m);
+  s->data.groups = m->groups, s->data.group_name = m->group_name;
   s->group = UINT32_MAX;
   for (size_t g = 0; group && g < m->groups; g++)
     if (strcmp(m->group_name[g], group) == 0) s->group = (uint32_t)g;
@@ -175,6 +189,8 @@ void hk_gatherer_free(hk_gatherer *s) {
                        data->mass,
                        data->id,
                        data->pin,
+                       data->group,
+                       data->strand_radius,
                        data->cell_strain,
                        data->strain,
                        data->cells.vertex,

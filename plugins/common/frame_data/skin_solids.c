@@ -14,6 +14,7 @@ void hk_skin_solids(const hk_view *view, bool y_up, hk_frame_solid *solid, size_
     solid[k] = (hk_frame_solid){.kind = HK_SHAPE_MESH, .body = true};
     if (k >= m->skins) continue;
     const hk_body_skin *skin = &m->skin[k];
+    solid[k].group = 1 + m->group[skin->carrier[0]];
     double at[3];
     combine(skin, view->x, skin->origin, at);
     hk_to_z_up(y_up, at, solid[k].centre);

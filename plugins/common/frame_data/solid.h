@@ -18,6 +18,7 @@ typedef struct hk_frame_solid {
   bool hollow;       /* only what is seen of its inside is drawn */
   bool body;         /* the surface of a rigid body, which is of the motion; otherwise what that bounces off */
   uint8_t colour[4]; /* red, green, blue, 255; with a 0 at the end that of all bodies */
+  uint32_t group;    /* of a rigid body: 1 + its place in the scene's group names; 0: it has none */
   double centre[3];
   double axis[3][3]; /* from the centre to the surface along its own axes */
   /* Of a mesh; the lists are another's. */

@@ -12,6 +12,11 @@ hk_status hk_gas_check_box(const hk_host *host, const double low[3], const doubl
       return host->fail(host, HK_BAD_PARAM,
                         "high: %g m is below low, %g m, along %c: the gas has no room; give the box's upper corner",
                         high[c], low[c], "xyz"[c]);
+    if (length > 0 && length <= cell / 2)
+      return host->fail(host, HK_BAD_PARAM,
+                        "cell: %g m is twice the box along %c, %g m, or more: take smaller cells, or for a plane a box "
+                        "without depth there, high = low",
+                        cell, "xyz"[c], length);
     flat += length == 0;
     cells[c] = length == 0 ? 1 : fmax(1, round(length / cell));
   }

@@ -77,6 +77,8 @@ void hk_live_send_run(hk_live_messages *m, const hk_frame_data *d, const hk_fram
     add_line(&t, (const char *const[]){"measure", frame->measure_name[k]}, 2);
   for (size_t k = 0; k < d->marks.count; k++)
     add_line(&t, (const char *const[]){"mark", d->marks.list[k].name, hk_mark_kind(d->marks.list[k].contact)}, 3);
+  for (size_t k = 0; k < d->groups && d->groups > 1; k++)
+    add_line(&t, (const char *const[]){"group", d->group_name[k]}, 2);
   hk_live_lock(&m->queue);
   char *body = hk_live_begin(&m->queue, 'R', t.length);
   if (body) memcpy(body, t.bytes, t.length);
@@ -87,6 +89,13 @@ void hk_live_send_run(hk_live_messages *m, const hk_frame_data *d, const hk_fram
 
 /* ---- T: the topology ---- */
 
+static void put_floats(char **at, const double *from, size_t count, const double *origin) {
+  for (size_t k = 0; k < count; k++) {
+    float value = (float)(from[k] - (origin ? origin[k % 3] : 0));
+    hk_live_put(at, &value, sizeof value);
+  }
+}
+
 static size_t count_pins(const hk_frame_data *d) {
   size_t pins = 0;
   for (size_t i = 0; i < d->n; i++) pins += d->pin[i] != HK_FREE;
@@ -95,8 +104,10 @@ static size_t count_pins(const hk_frame_data *d) {
 
 void hk_live_send_topology(hk_live_messages *m, const hk_frame_data *d) {
   const hk_frame_cells *c = &d->cells;
-  size_t pins = count_pins(d), words = 5 + d->n + 2 * c->segments + 3 * c->triangles + pins;
-  uint32_t head[] = {++m->topology, (uint32_t)d->n, (uint32_t)c->segments, (uint32_t)c->triangles, (uint32_t)pins};
+  size_t pins = count_pins(d), groups = d->groups > 1 ? d->n : 0, radii = d->strand_radius ? d->n : 0;
+  const uint32_t head[] = {++m->topology,  (uint32_t)d->n,   (uint32_t)c->segments, (uint32_t)c->triangles,
+                           (uint32_t)pins, (uint32_t)groups, (uint32_t)radii};
+  size_t words = sizeof head / sizeof *head + d->n + 2 * c->segments + 3 * c->triangles + pins + groups + radii;
   hk_live_lock(&m->queue);
   char *at = m->queue.broken ? NULL : hk_live_begin(&m->queue, 'T', words * sizeof(uint32_t));
   if (at) {
@@ -106,6 +117,8 @@ void hk_live_send_topology(hk_live_messages *m, const hk_frame_data *d) {
     hk_live_put(&at, c->triangle, c->triangles * sizeof *c->triangle);
     for (uint32_t i = 0; i < d->n; i++)
       if (d->pin[i] != HK_FREE) hk_live_put(&at, &i, sizeof i);
+    hk_live_put(&at, d->group, groups * sizeof *d->group);
+    put_floats(&at, d->strand_radius, radii, NULL);
   }
   hk_live_unlock(&m->queue);
 }
@@ -140,13 +153,6 @@ static void tell_figures(hk_live_messages *m, const hk_frame_data *d, const hk_f
   hk_live_put(&at, f->measure, f->measures * sizeof *f->measure);
   m->t = d->t;
   m->steps = f->steps;
-}
-
-static void put_floats(char **at, const double *from, size_t count, const double *origin) {
-  for (size_t k = 0; k < count; k++) {
-    float value = (float)(from[k] - (origin ? origin[k % 3] : 0));
-    hk_live_put(at, &value, sizeof value);
-  }
 }
 
 bool hk_live_send_numbers(hk_live_messages *m, const hk_frame_data *d, const hk_frame *f) {

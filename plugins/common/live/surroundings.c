@@ -14,7 +14,8 @@ void hk_live_send_solids(hk_live_queue *q, const hk_frame_data *s) {
   if (at) put_count(&at, s->solids);
   for (size_t k = 0; k < s->solids && at; k++) {
     const hk_frame_solid *solid = &s->solid[k];
-    const size_t head[HEAD] = {(size_t)solid->kind, (size_t)(solid->hollow | solid->body << 1), solid->vertices,
+    const size_t head[HEAD] = {(size_t)solid->kind,
+                               (size_t)(solid->hollow | solid->body << 1) | (size_t)solid->group << 2, solid->vertices,
                                solid->faces};
     for (int c = 0; c < HEAD; c++) put_count(&at, head[c]);
   }

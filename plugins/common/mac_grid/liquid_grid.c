@@ -22,6 +22,11 @@ static hk_status measure(hk_liquid_grid *g, const hk_host *host, double cell, do
                         "high: %g m is below low, %g m, along %c: the liquid has no room; give the "
                         "box's upper corner",
                         g->high[c], g->low[c], "xyz"[c]);
+    if (length > 0 && length <= cell / 2)
+      return host->fail(host, HK_BAD_PARAM,
+                        "cell: %g m is twice the box along %c, %g m, or more: take smaller cells, or for a plane a box "
+                        "without depth there, high = low",
+                        cell, "xyz"[c], length);
     g->flat[c] = length == 0;
     cells[c] = g->flat[c] ? 1 : fmax(1, round(length / cell));
     g->spacing[c] = g->flat[c] ? cell : length / cells[c];

@@ -233,6 +233,7 @@ static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_
   for (int faded = 0; faded < 2; faded++) {
     for (size_t k = 0; k < opaque_solids(setup, s) && status == HK_OK; k++) {
       double opacity = measured && k < s->obstacles ? hk_sight_opacity(&sight, (double)p->share[k]) : 1;
+      if (k < s->obstacles) opacity = fmin(opacity, 1 - setup->obstacle_clearness);
       if (s->solid[k].kind != HK_SHAPE_PLANE && faded == (opacity < 1)) status = add_solid(p, setup, s, k, opacity);
     }
     if (!faded) p->opaque = p->triangles;

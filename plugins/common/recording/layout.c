@@ -101,7 +101,9 @@ static bool make_points(hk_recorder *r, const hk_recorder_setup *setup, const hk
               make_moving(&m, &r->velocity, "velocity", 3) &&
               (!first->strain || make_moving(&m, &r->strain, "strain", 1)) &&
               make_fixed(&m, &r->id, "id", H5T_NATIVE_UINT32) && make_fixed(&m, &r->mass, "mass", H5T_NATIVE_DOUBLE) &&
-              make_fixed(&m, &r->pin, "pin", H5T_NATIVE_UINT8);
+              make_fixed(&m, &r->pin, "pin", H5T_NATIVE_UINT8) &&
+              (first->groups < 2 || make_fixed(&m, &r->group, "group", H5T_NATIVE_UINT32)) &&
+              (!first->strand_radius || make_fixed(&m, &r->strand_radius, "strand_radius", H5T_NATIVE_DOUBLE));
   for (size_t k = 0; k < first->arrays && fine; k++, r->arrays++) fine = make_array(&m, &r->array[k], &first->array[k]);
   if (m.group >= 0) H5Gclose(m.group);
   return fine;
@@ -159,6 +161,20 @@ static bool make_text(hid_t group, const char *name, const char *text) {
   return fine;
 }
 
+/* A name a line; what would end one is a blank. */
+static bool make_groups(hid_t own, const hk_frame_data *first) {
+  size_t length = 0;
+  for (size_t k = 0; k < first->groups; k++) length += strlen(first->group_name[k]) + 1;
+  char *text = calloc(length + 1, 1), *to = text;
+  for (size_t k = 0; k < first->groups && text; k++) {
+    for (const char *c = first->group_name[k]; *c; c++) *to++ = *c == '\n' ? ' ' : *c;
+    *to++ = '\n';
+  }
+  bool fine = text && make_text(own, "groups", text);
+  free(text);
+  return fine;
+}
+
 bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const hk_frame_data *first,
                          const hk_frame *frame) {
   int64_t version[2] = {2, 0}, every = (int64_t)setup->every;
@@ -173,5 +189,6 @@ bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const h
          hk_h5_attribute(r->own, "every", H5T_NATIVE_INT64, 1, &every) &&
          hk_h5_text(r->own, "verdict", "not ended yet   ") &&
          hk_h5_text(r->own, "scene", frame->scene ? frame->scene : "") &&
-         make_text(r->own, "origin", frame->origin ? frame->origin : "");
+         make_text(r->own, "origin", frame->origin ? frame->origin : "") &&
+         (first->groups < 2 || make_groups(r->own, first));
 }

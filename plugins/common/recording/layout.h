@@ -28,7 +28,7 @@ struct hk_recorder {
   hk_h5_file *file;
   hid_t root, steps, own;
   size_t frames, parts, arrays, measures;
-  hk_h5_series points, velocity, strain, id, mass, pin, *array;
+  hk_h5_series points, velocity, strain, id, mass, pin, group, strand_radius, *array;
   hk_h5_series types, connectivity, offsets, cell_strain, counts[3], kinds;
   hk_h5_series step[STEPS], figure[FIGURES], *measure;
   hk_solid_series solids;

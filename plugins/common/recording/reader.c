@@ -184,10 +184,19 @@ static bool get_own(hk_recording *r) {
               hk_h5_get_text(own, "verdict", r->verdict, sizeof r->verdict);
   if (fine) r->origin = hk_h5_get_long_text(own, "origin"), r->scene = malloc(strlen(scene) + 1);
   if (fine && r->scene) strcpy(r->scene, scene);
+  if (fine) fine = (r->groups = hk_h5_get_long_text(own, "groups"));
   if (own >= 0) H5Gclose(own);
   if (steps >= 0) H5Gclose(steps);
   r->frames = (size_t)frames;
   return fine && r->origin && r->scene;
+}
+
+/* A channel of the scene may have had the name in recordings of versions that did not write the list. */
+static hid_t open_fixed(hid_t file, const char *path) {
+  hid_t set = hk_h5_open_set(file, path);
+  if (set < 0 || H5Aexists(set, "kind") <= 0) return set;
+  H5Dclose(set);
+  return H5I_INVALID_HID;
 }
 
 static bool get_all(hk_recording *r) {
@@ -200,6 +209,8 @@ static bool get_all(hk_recording *r) {
   r->id = hk_h5_open_set(r->file, "/VTKHDF/PointData/id");
   r->mass = hk_h5_open_set(r->file, "/VTKHDF/PointData/mass");
   r->pin = hk_h5_open_set(r->file, "/VTKHDF/PointData/pin");
+  r->group = *r->groups ? hk_h5_open_set(r->file, "/VTKHDF/PointData/group") : H5I_INVALID_HID;
+  r->strand_radius = open_fixed(r->file, "/VTKHDF/PointData/strand_radius");
   r->connectivity = hk_h5_open_set(r->file, "/VTKHDF/Connectivity");
   r->cell_strain = hk_h5_open_set(r->file, "/VTKHDF/CellData/strain");
   return r->time && r->frame && get_frames(r) && get_parts(r) && rows_fit(r) &&
@@ -226,7 +237,8 @@ hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
 
 void hk_recording_close(hk_recording *r) {
   if (!r) return;
-  const hid_t set[] = {r->points, r->velocity, r->strain, r->id, r->mass, r->pin, r->connectivity, r->cell_strain};
+  const hid_t set[] = {r->points, r->velocity, r->strain,        r->id,           r->mass,
+                       r->pin,    r->group,    r->strand_radius, r->connectivity, r->cell_strain};
   for (size_t k = 0; k < sizeof set / sizeof *set; k++)
     if (set[k] > 0) H5Dclose(set[k]);
   for (size_t k = 0; k < r->arrays; k++) H5Dclose(r->array[k].set);
@@ -234,7 +246,7 @@ void hk_recording_close(hk_recording *r) {
   hk_recorded_solids_close(&r->solids);
   hk_recorded_marks_close(&r->marks);
   if (r->file >= 0) H5Fclose(r->file);
-  void *const all[] = {r->array, r->serie, r->time, r->frame, r->part, r->scene, r->origin, r};
+  void *const all[] = {r->array, r->serie, r->time, r->frame, r->part, r->scene, r->origin, r->groups, r};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
 }
 
@@ -253,6 +265,13 @@ static bool within(const uint32_t *index, size_t count, int64_t n) {
   for (size_t k = 0; k < count; k++)
     if (index[k] >= n) return false;
   return true;
+}
+
+bool hk_recording_groups(const hk_recording *r, size_t k, uint32_t *to) {
+  int64_t names = 0;
+  for (const char *c = r->groups; *c; c++) names += *c == '\n';
+  return hk_recording_fixed(r, r->group, k, H5T_NATIVE_UINT32, to) &&
+         within(to, (size_t)hk_recorded_part_of(r, k)->n, names);
 }
 
 bool hk_recording_vertices(const hk_recording *r, size_t k, uint32_t *to) {

@@ -37,8 +37,8 @@ typedef struct hk_recording {
   double fps;
   int64_t every;
   char verdict[32];
-  char *scene, *origin;
-  double *time; /* s, of each frame */
+  char *scene, *origin, *groups; /* groups: names, one a line; "": there is one */
+  double *time;                  /* s, of each frame */
   hk_recorded_frame *frame;
   size_t parts;
   hk_recorded_part *part;
@@ -47,7 +47,8 @@ typedef struct hk_recording {
   uint64_t stored; /* bytes that arrays and series take in the file */
   size_t series;
   hk_recorded_series *serie;
-  hid_t points, velocity, strain, id, mass, pin, connectivity, cell_strain; /* negative: the file has none */
+  hid_t points, velocity, strain, id, mass, pin, group, strand_radius, connectivity,
+      cell_strain; /* negative: the file has none */
   hk_recorded_solids solids;
   hk_recorded_mark_lists marks;
 } hk_recording;
@@ -61,8 +62,10 @@ static inline const hk_recorded_part *hk_recorded_part_of(const hk_recording *r,
 
 /* Rows of a frame's numbers of its particles: of points, velocity, strain or an array's set (n x width doubles). */
 bool hk_recording_moving(const hk_recording *, hid_t set, size_t k, size_t width, double *to);
-/* Of id (uint32_t), mass (double), pin (uint8_t). */
+/* Of id (uint32_t), mass and strand_radius (double), pin (uint8_t). */
 bool hk_recording_fixed(const hk_recording *, hid_t set, size_t k, hid_t type, void *to);
+/* Each within the names. */
+bool hk_recording_groups(const hk_recording *, size_t k, uint32_t *to);
 bool hk_recording_vertices(const hk_recording *, size_t k, uint32_t *to);
 bool hk_recording_segments(const hk_recording *, size_t k, uint32_t *to);  /* 2 for each */
 bool hk_recording_triangles(const hk_recording *, size_t k, uint32_t *to); /* 3 for each */

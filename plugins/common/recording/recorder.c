@@ -55,7 +55,9 @@ static bool put_part(hk_recorder *r, const hk_frame_data *data) {
   r->parts++;
   return fine && hk_h5_series_put(&r->id, r->fixed_at, data->n, data->id) &&
          hk_h5_series_put(&r->mass, r->fixed_at, data->n, data->mass) &&
-         hk_h5_series_put(&r->pin, r->fixed_at, data->n, data->pin);
+         hk_h5_series_put(&r->pin, r->fixed_at, data->n, data->pin) &&
+         (data->groups < 2 || hk_h5_series_put(&r->group, r->fixed_at, data->n, data->group)) &&
+         (!data->strand_radius || hk_h5_series_put(&r->strand_radius, r->fixed_at, data->n, data->strand_radius));
 }
 
 static bool put_figures(hk_recorder *r, const hk_frame *f) {
@@ -161,11 +163,11 @@ bool hk_recorder_close(hk_recorder *r, const char *verdict, char *why, size_t si
   return cause == 0;
 }
 
-/* The arrays of the scene, and velocity, strain, id, mass and pin. */
+/* The arrays of the scene, and velocity, strain, id, mass, pin, group and strand_radius. */
 static bool make_room(hk_recorder *r, const hk_frame_data *first, const hk_frame *frame) {
   r->array = calloc(first->arrays + 1, sizeof *r->array);
   r->measure = calloc(frame->measures + 1, sizeof *r->measure);
-  r->shown = calloc(first->arrays + 5, sizeof *r->shown);
+  r->shown = calloc(first->arrays + 7, sizeof *r->shown);
   return r->array && r->measure && r->shown;
 }
 

@@ -3,12 +3,14 @@
  * written once: ids, masses, pins and cells, until particles are born, die or are released.
  *
  *   /VTKHDF/Points, PointData/...    rows of a frame begin at Steps/PointOffsets, at the beginning of a chunk
- *   /VTKHDF/PointData/id, mass, pin  rows begin at Steps/PointDataOffsets/id
+ *   /VTKHDF/PointData/id, mass, pin  rows begin at Steps/PointDataOffsets/id; likewise group, where the scene has
+ *                                    several, and strand_radius (m; 0: it is of no strand), where there are strands
  *   /VTKHDF/Types, Connectivity, Offsets, NumberOf...  of each part; Steps/PartOffsets says which part a frame has
  *   /VTKHDF/FieldData/...            a row per frame: energies, momenta, the last step, measures
  *   /hooke/solids                    what particles bounce off (solid_series.h)
  *   /hooke/marks                     wind and points of contact (mark_series.h)
- *   /hooke                           what VTK does not ask for: scene, origin, fps, the numbers of cells of each kind
+ *   /hooke                           what VTK does not ask for: scene, origin, fps, the numbers of cells of each kind,
+ *                                    the names of groups, one a line
  *
  * PointData of a force or a channel has the attributes `kind` ("force", "channel") and `label`, its name in the scene.
  */

@@ -22,14 +22,18 @@ static bool put_list(hid_t group, const char *name, hid_t type, size_t rows, siz
 static bool put_kinds(hid_t group, const hk_frame_solid *solid, size_t count) {
   uint8_t *byte = malloc(2 * count);
   uint64_t(*mesh)[2] = malloc(count * sizeof *mesh);
-  for (size_t k = 0; k < count && byte && mesh; k++) {
+  uint32_t *of = malloc(count * sizeof *of);
+  for (size_t k = 0; k < count && byte && mesh && of; k++) {
+    of[k] = solid[k].group;
     byte[k] = (uint8_t)solid[k].kind, byte[count + k] = (uint8_t)(solid[k].hollow | solid[k].body << 1);
     mesh[k][0] = solid[k].vertices, mesh[k][1] = solid[k].faces;
   }
-  bool fine = byte && mesh && put_list(group, "kind", H5T_NATIVE_UINT8, count, 0, byte) &&
+  bool fine = byte && mesh && of && put_list(group, "kind", H5T_NATIVE_UINT8, count, 0, byte) &&
               put_list(group, "hollow", H5T_NATIVE_UINT8, count, 0, byte + count) &&
-              put_list(group, "mesh", H5T_NATIVE_UINT64, count, 2, mesh);
+              put_list(group, "mesh", H5T_NATIVE_UINT64, count, 2, mesh) &&
+              put_list(group, "group", H5T_NATIVE_UINT32, count, 0, of);
   free(byte);
+  free(of);
   free(mesh);
   return fine;
 }
@@ -82,14 +86,18 @@ static bool get_kinds(hk_recorded_solids *s, hid_t group, uint64_t total[2]) {
   uint8_t *kind = hk_h5_get_list(group, "kind", H5T_NATIVE_UINT8, s->count, 1, 1);
   uint8_t *hollow = hk_h5_get_list(group, "hollow", H5T_NATIVE_UINT8, s->count, 1, 1);
   uint64_t(*mesh)[2] = hk_h5_get_list(group, "mesh", H5T_NATIVE_UINT64, s->count, 2, sizeof(uint64_t));
-  bool fine = kind && hollow && mesh && (s->solid = calloc(s->count, sizeof *s->solid));
+  bool grouped = H5Lexists(group, "group", H5P_DEFAULT) > 0; /* those of versions up to 0.3.0 have none */
+  uint32_t *of = grouped ? hk_h5_get_list(group, "group", H5T_NATIVE_UINT32, s->count, 1, sizeof *of) : NULL;
+  bool fine = kind && hollow && mesh && (of || !grouped) && (s->solid = calloc(s->count, sizeof *s->solid));
   for (size_t k = 0; k < s->count && fine; k++) {
     s->solid[k] = (hk_frame_solid){
         .kind = kind[k], .hollow = hollow[k] & 1, .body = hollow[k] & 2, .vertices = mesh[k][0], .faces = mesh[k][1]};
+    if (of) s->solid[k].group = of[k];
     fine = kind[k] <= HK_SHAPE_MESH && mesh[k][0] <= MOST && mesh[k][1] <= MOST;
     total[0] += mesh[k][0], total[1] += mesh[k][1];
   }
   free(kind);
+  free(of);
   free(hollow);
   free(mesh);
   return fine;

@@ -2,6 +2,7 @@
  *
  *   kind (solids)          hk_shape_kind: 0 plane, 1 sphere, 2 box, 3 cylinder, 4 capsule, 5 mesh
  *   hollow (solids)        1: particles are inside; 2: it is the surface of a rigid body
+ *   group (solids)         1 + the group of a rigid body; 0: it has none
  *   place (frames x 12 solids)  m, of each solid its centre and three axes from there to its surface; of a plane the
  * third axis is its normal, of a cylinder or a capsule it is the long one, and the vertices of a mesh are in units of
  * the axes mesh (solids x 2)      numbers of vertices and faces vertex, face (x 3)     of all meshes, one after the

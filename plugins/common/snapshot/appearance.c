@@ -122,12 +122,6 @@ static hk_status choose_fade(hk_appearance *appearance, const hk_host *host, con
   return check_number(host, m, "fade", appearance->fade_channel);
 }
 
-static const hk_publication *published(const hk_model *m, const char *name) {
-  for (size_t k = 0; k < m->publications; k++)
-    if (strcmp(m->published[k].name, name) == 0 && m->published[k].width == 1) return m->published + k;
-  return NULL;
-}
-
 /* Reads "GROUP RADIUS" up to a comma or the end, and moves on behind it. */
 static hk_status read_tube(hk_appearance *appearance, const hk_host *host, const hk_model *m, const char **at) {
   char name[64];
@@ -149,11 +143,9 @@ static hk_status read_tube(hk_appearance *appearance, const hk_host *host, const
 }
 
 static hk_status choose_tubes(hk_appearance *appearance, const hk_host *host, const hk_model *m, const char *tubes) {
-  const hk_publication *radii = tubes ? NULL : published(m, "strand_radius");
-  appearance->tube_radius = radii ? radii->values : NULL;
-  appearance->strands = tubes ? NULL : host->query(host, "strands/1");
+  appearance->radii = tubes ? (hk_strand_radii){0} : hk_strand_radii_find(host, m);
   appearance->tube_groups = 0;
-  appearance->tubes = tubes ? *tubes : radii || (appearance->strands && appearance->strands->count);
+  appearance->tubes = tubes ? *tubes : hk_strand_radii_any(&appearance->radii);
   if (!tubes || !*tubes) return HK_OK;
   appearance->tube_channel = find_channel(m, tubes);
   if (appearance->tube_channel < m->channels) return check_number(host, m, "tubes", appearance->tube_channel);

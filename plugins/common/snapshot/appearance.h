@@ -3,7 +3,7 @@
 #ifndef HK_APPEARANCE_H
 #define HK_APPEARANCE_H
 
-#include "core/plugin.h"
+#include "plugins/common/frame_data/radii.h"
 
 typedef enum hk_paint {
   HK_PAINT_NONE,    /* one colour for all */
@@ -37,10 +37,8 @@ typedef struct hk_appearance {
   hk_sizes sizes;
   bool fades, tubes;                                        /* tubes: strands have radii of their own */
   size_t channel, size_channel, fade_channel, tube_channel; /* positions in model->channel */
-  const double *const
-      *tube_radius;          /* *tube_radius: n, m, of contact; NULL: there is none, or another radius is wanted */
-  const hk_strands *strands; /* as tube_radius */
-  size_t tube_groups;        /* 0: the channel has it, or those have */
+  hk_strand_radii radii;                                    /* none where others are wanted */
+  size_t tube_groups;                                       /* 0: the channel has it, or those have */
   struct {
     uint32_t group;
     double radius; /* m */

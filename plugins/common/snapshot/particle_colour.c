@@ -65,29 +65,6 @@ static double radius_of_group(const hk_appearance *appearance, uint32_t group) {
   return 0;
 }
 
-/* Of the strand that the particle with this id is of; 0: of none. */
-static double radius_of_strand(const hk_strands *all, uint32_t id) {
-  size_t low = 0, high = all ? all->count : 0;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (all->item[middle].first <= id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  const hk_strand *last = low > 0 ? all->item + low - 1 : NULL; /* the last that begins at or before it */
-  return last && id - last->first < last->count ? last->radius : 0;
-}
-
-/* What contact says of it; where that says nothing, its strand's. */
-static void take_own_tubes(hk_snapshot3d *s, const hk_view *view) {
-  const double *contact = s->appearance->tube_radius ? *s->appearance->tube_radius : NULL;
-  for (size_t i = 0; i < view->n; i++)
-    s->extra[HK_EXTRA_TUBE][i] = contact && contact[i] > 0
-                                     ? (float)contact[i]
-                                     : (float)radius_of_strand(s->appearance->strands, view->model->id[i]);
-}
-
 static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
   const hk_appearance *appearance = s->appearance;
   if (appearance->tube_groups) {
@@ -95,8 +72,9 @@ static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
       s->extra[HK_EXTRA_TUBE][i] = (float)radius_of_group(appearance, view->model->group[i]);
     return;
   }
-  if (appearance->tube_radius || appearance->strands) {
-    take_own_tubes(s, view);
+  if (hk_strand_radii_any(&appearance->radii)) {
+    for (size_t i = 0; i < view->n; i++)
+      s->extra[HK_EXTRA_TUBE][i] = (float)hk_strand_radius(&appearance->radii, view->model, i);
     return;
   }
   const double *radius = channel_of(view, appearance->tube_channel);

@@ -136,6 +136,38 @@ end
 
 compare_with_h5py("sheet/trajectory.h5")
 
+-- ---- groups, and radii of strands ----
+
+files.write(at("groups.lua"), [[
+local scene = hooke.scene { duration = 0.1, fps = 10, integrator = "leapfrog", dt = 1e-3 }
+scene:strand { n = 3, length = 0.2, direction = { 1, 0, 0 }, radius = 0.002, E = 1e7, nu = 0.45, density = 1100, group = "rope" }
+scene:particle { position = { 0, 0, 1 } }
+scene:rigid { shape = "sphere", radius = 0.1, mass = 1, position = { 0, 1, 0 }, group = "a\nball" }
+if param("all", 1) == 1 then scene:output("trajectory", {}) else scene:output("trajectory", { group = "rope" }) end
+scene:force("gravity", {})
+return scene
+]])
+must("run groups.lua --out groups --quiet")
+r = open("groups/trajectory.h5")
+assert(table.concat(r.groups, ", ") == "default, rope, a ball", table.concat(r.groups, ", ")) -- one a line: no line ends within
+local function each(format, text) -- its first five numbers
+  return table.concat({ string.unpack("<" .. format:rep(5), text) }, " ", 1, 5)
+end
+local groups, radii = r:groups_and_radii(2)
+assert(each("I4", groups) == "1 1 1 0 2" and each("d", radii) == "0.002 0.002 0.002 0.0 0.0", each("d", radii))
+assert(#r.solids == 1 and r.solids[1].body and r.solids[1].group == 3)
+r:close()
+compare_with_h5py("groups/trajectory.h5")
+must("run groups.lua all=0 --out rope --quiet")
+r = open("rope/trajectory.h5")
+groups, radii = r:groups_and_radii(1)
+assert(r:n(1) == 3 and groups == ("<I4I4I4"):pack(1, 1, 1) and radii == ("<ddd"):pack(0.002, 0.002, 0.002))
+r:close()
+r = open("sheet/trajectory.h5")
+groups, radii = r:groups_and_radii(1)
+assert(groups == nil and radii == nil and #r.groups == 0) -- one group, no strand
+r:close()
+
 -- ---- chosen particles and frames, in 32 bits ----
 
 must("run sheet.lua options=1 --out part --quiet")

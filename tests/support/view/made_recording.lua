@@ -15,7 +15,8 @@ made.doubles = function(t) return in_pieces(doubles, t) end
 made.indices = function(t) return in_pieces(indices, t) end
 
 -- what: frames, fps, at(k) -> positions, velocities, ids, strain (tables); edges, triangles, pins (tables of indices);
--- series; forces { name -> function(k) -> table }; solids, places(k) -> string, marks,
+-- groups (names), group_of, strand_radii (of each particle); series; forces { name -> function(k) -> table };
+-- solids, places(k) -> string, marks,
 -- marks_of(j, k): as in the module
 function made.recording(what)
   local r = { frames = what.frames, fps = what.fps or 60, times = {}, series = what.series or {},
@@ -53,7 +54,10 @@ function made.recording(what)
     for _, i in ipairs(what.pins or {}) do bytes[i + 1] = "\1" end
     return table.concat(bytes)
   end
-  r.solids, r.marks = what.solids, what.marks
+  r.solids, r.marks, r.groups = what.solids, what.marks, what.groups or {}
+  function r.groups_and_radii(_)
+    return what.group_of and made.indices(what.group_of), what.strand_radii and made.doubles(what.strand_radii)
+  end
   function r.marks_of(_, j, k) return what.marks_of(j, k) end
   function r.solid_places(_, k) return what.places(k) end
   return r

@@ -104,6 +104,15 @@ end, edges = { 0, 1 },
 solids = { { kind = "mesh", body = true, vertices = made.doubles(box_vertices), faces = made.indices(box_faces) } },
 places = function() return made.doubles { 0, 0, 0, 0, 1, 0, -1, 0, 0, 0, 0, 1 } end } } }, { title = "body" })
 
+-- ---- two strands, of another group and radius each, and a rigid body of a third ----
+
+page("groups", { { title = "groups", recording = made.recording { frames = 2, at = function()
+  return { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0 }, { 0, 0, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0 }, { 1, 2, 3, 4 }
+end, edges = { 0, 1, 2, 3 }, groups = { "default", "rope", "thread <b>", "crate", "of none" }, group_of = { 1, 1, 2, 2 },
+strand_radii = { 0.1, 0.1, 0, 0.04 },
+solids = { { kind = "mesh", body = true, group = 4, vertices = made.doubles(box_vertices), faces = made.indices(box_faces) } },
+places = function() return made.doubles { 0.5, 0.5, 0.8, 0.3, 0, 0, 0, 0.3, 0, 0, 0, 0.3 } end } } }, { title = "groups" })
+
 -- ---- more particles than a slow machine draws: 24,000 that rise ----
 
 local many, ids, still = {}, {}, {}

@@ -26,7 +26,8 @@ local function columns_of(cells, known)
     else
       local near = hooke.nearest(cell, list)
       return nil, ("the column '%s' is no measure of the scene; %s"):format(cell, near and ("did you mean '%s'?"):format(near)
-        or #list > 0 and "it has " .. table.concat(list, ", ") or "it has none: scene:measure(name, function)")
+        or #list > 0 and "it has " .. table.concat(list, ", ") .. ", and a column t is the time, s"
+        or "it has none: scene:measure(name, function)")
     end
   end
   if not found.t then return nil, "there is no column 't', the time in s" end

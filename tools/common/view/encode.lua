@@ -121,9 +121,18 @@ local function held_indices(pins)
   return table.concat(list)
 end
 
+-- Doubles as 32-bit floats.
+local function floats(doubles)
+  local list = {}
+  for at = 1, #doubles, 8 do list[#list + 1] = ("<f"):pack((string.unpack("<d", doubles, at))) end
+  return table.concat(list)
+end
+
 local function topology(r, out, k)
+  local groups, radii = r:groups_and_radii(k)
   return { first = k - 1, edges = packed_or_nil(out, r:edges(k)), triangles = packed_or_nil(out, r:triangles(k)),
-    pins = packed_or_nil(out, held_indices(r:pins(k))) }
+    pins = packed_or_nil(out, held_indices(r:pins(k))), groups = packed_or_nil(out, groups or ""),
+    radii = packed_or_nil(out, floats(radii or "")) }
 end
 
 local function frames_of_block(r)
@@ -145,7 +154,8 @@ function encode.run(r, out, more)
   if r.frames == 0 then return nil, "it has no frames" end
   local free = marks.streams(r)
   local streams, per_block = start_streams(r, fields_of(r), free), frames_of_block(r)
-  local run = { title = more.title, fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
+  local run = { title = more.title, groups = json_text.list(r.groups),
+    fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
     populations = json_text.list(), topologies = json_text.list(), streams = json_text.list(),
     series = series.of(r.series or {}), summary = more.summary and json_text.raw(more.summary) }
   local all_ids, ids, pins = {}, nil, nil

@@ -20,9 +20,11 @@ function shared.page_data(out)
   for name, packed in pairs(all.maps) do maps[name] = out:add(packed) end
   local things = {}
   for name, colour in pairs(all.things) do things[name] = json_text.list(colour) end
+  local groups = json_text.list()
+  for k, colour in ipairs(all.groups) do groups[k] = json_text.list(colour) end
   local radii = {}
   for name, value in pairs(all.radii) do radii[name] = type(value) == "table" and json_text.list(value) or value end
-  return { maps = maps, things = things, solids = json_text.list(all.solids), radii = radii }
+  return { maps = maps, things = things, groups = groups, solids = json_text.list(all.solids), radii = radii }
 end
 
 return shared

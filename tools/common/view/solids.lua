@@ -30,6 +30,7 @@ function solids.of(r, out, origin)
   local data, places = { list = json_text.list(), moving = moves(r) }, {}
   for k, s in ipairs(r.solids) do
     data.list[k] = { kind = s.kind, hollow = s.hollow, body = s.body or false,
+      group = s.group or 0,
       vertices = packed(out, floats(s.vertices, 3, { 0, 0, 0 })), faces = packed(out, s.faces) }
   end
   for k = 1, data.moving and r.frames or 1 do places[k] = floats(r:solid_places(k), 12, origin) end

@@ -77,7 +77,7 @@ static void wrong_values_are_refused(void **state) {
   test_refused("param('n', 3, 'count', { min = 2 })\n" BALL END, "n=1", 1, "parameter n: 1 is below the minimum 2");
   test_refused("param('n', 3)\n" BALL END, "n=three", 1, "parameter n: 'three' is not a number");
   test_refused(BALL "scene:pin { 2 }\n" END, "", 1, "pin: there is no particle 2");
-  test_refused(BALL "scene:pin { p }\nscene:pin { p }\n" END, "", 1, "particle 1 is pinned twice");
+  test_refused(BALL "scene:pin { p }\nscene:pin { p }\n" END, "", 1, "particle 1 is pinned already: leave it out of one of the two");
 }
 
 static void slips_in_scripts_are_explained(void **state) {

@@ -113,12 +113,38 @@ static void pictures_see_the_motion_through_what_hides_most_of_it(void **state) 
   assert_memory_not_equal(before[0], before[1], 3);
 }
 
+/* A box and a plane: the box goes over into what is behind it, the plane stays. */
+static void the_opacity_of_obstacles_is_what_the_scene_says(void **state) {
+  (void)state;
+  static const double box[] = {0, 0, 0, 0.4, 0.4, 0.4}, opacities[] = {1, 0.25, 0};
+  unsigned char colour[4][3];
+  for (int k = 0; k < 4; k++) { /* the last has no box */
+    world w;
+    world_open(&w, 1);
+    w.x[0] = 5; /* out of sight */
+    set_still_camera(&w);
+    set_switch(&w, "shadows", false);
+    if (k < 3) set_number(&w, "obstacle_opacity", opacities[k]);
+    if (k < 3) *(hk_numbers *)fake_field(&w.f, "boxes") = (hk_numbers){sizeof box / sizeof *box, box};
+    picture p = draw_once(&w);
+    memcpy(colour[k], at(&p, 80, 45), 3);
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+  assert_memory_equal(colour[2], colour[3], 3);
+  for (int c = 0; c < 3; c++) { /* an eighth: light is added after colours are mixed */
+    assert_true(abs(colour[0][c] - colour[3][c]) > 20);
+    assert_true(abs(4 * colour[1][c] - 3 * colour[3][c] - colour[0][c]) < 32);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pictures_show_obstacles_of_correctors_and_forces_where_they_are),
       cmocka_unit_test(pictures_show_the_planes_of_soft_walls),
       cmocka_unit_test(pictures_show_the_funnel_of_soft_walls),
       cmocka_unit_test(pictures_see_the_motion_through_what_hides_most_of_it),
+      cmocka_unit_test(the_opacity_of_obstacles_is_what_the_scene_says),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
