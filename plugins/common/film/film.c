@@ -180,6 +180,16 @@ static hk_status draw(hk_film *f, size_t k) {
   return status;
 }
 
+/* Bodies are where the particles are; with colours of groups each has its group's, as the particles that it is made of.
+ */
+static void take_skins(hk_film *f, const hk_view *view) {
+  hk_frame_solid *solid = f->snapshot.solid + f->snapshot.obstacles;
+  const hk_model *m = view->model;
+  if (f->skins) hk_skin_solids(view, f->appearance.y_up, solid, f->skins);
+  for (size_t k = 0; k < f->skins && k < m->skins && f->appearance.paint == HK_PAINT_GROUP; k++)
+    hk_colormap_group(m->group[m->skin[k].carrier[0]], solid[k].colour);
+}
+
 static hk_status use_context(hk_film *f) {
   if (hk_gl_context_use(f->gl)) return HK_OK;
   return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
@@ -209,7 +219,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   size_t liquid = f->snapshot.solids - (f->liquid != NULL);
   if (f->liquid) f->snapshot.solid[liquid] = *f->liquid, f->snapshot.normal = f->liquid_normal;
-  if (f->skins) hk_skin_solids(view, f->appearance.y_up, f->snapshot.solid + liquid - f->skins, f->skins);
+  take_skins(f, view);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)
