@@ -14,8 +14,8 @@
 static test_result r;
 
 /* Two bars of 1 m fall, the first in a hinge at its end, the second joined to it: there their faces are parallel, `gap`
- * apart (below 0: within each other), with the joint in the middle. Under the end of the first, which falls faster than what
- * is free, a ball falls. */
+ * apart (below 0: within each other), with the joint in the middle. Under the end of the first, which falls faster than
+ * what is free, a ball falls. */
 static const char scene[] =
     "local gap, meet, kind = param('gap', 1e-3, ''), param('meet', '', ''), param('kind', 'hinge', '')\n"
     "local law, T, ball = param('law', 'contact', ''), param('T', 0.2, ''), param('ball', false, '')\n"
