@@ -22,7 +22,11 @@ typedef struct hk_rider {
   uint32_t carrier[HK_CARRIERS];
   double weight[HK_CARRIERS]; /* with the sum 1 */
   bool touches;               /* it is of the surface of its body, see hk_model.inside */
-  double radius;              /* m, of a round point of the surface; 0: what contact says of such points */
+  /* The ids of the points of a joint, from `joined` on so many: contact takes none of them, and leaves out pairs of the
+   * bodies that they are of with the body of this one. 0: none; since minor 3. */
+  uint8_t joints;
+  uint32_t joined;
+  double radius; /* m, of a round point of the surface; 0: what contact says of such points */
 } hk_rider;
 
 /* The surface of a body, for pictures: its triangles in a frame whose origin, and whose unit points of the three axes,

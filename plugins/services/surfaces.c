@@ -59,9 +59,15 @@ static bool is_named(const surfaces *s, size_t i) {
   return s->left_count && bsearch(&s->model->id[i], s->left_id, s->left_count, sizeof *s->left_id, rising);
 }
 
-/* What the script leaves out, and what is inside of rigid bodies. */
+/* What the script leaves out, what is inside of rigid bodies, and the places where joints hold these. */
 static void mark_left(surfaces *s) {
-  for (size_t i = 0; i < s->model->n; i++) s->left[i] = is_named(s, i) || (s->model->inside && s->model->inside[i]);
+  const hk_model *m = s->model;
+  for (size_t i = 0; i < m->n; i++) s->left[i] = is_named(s, i) || (m->inside && m->inside[i]);
+  for (size_t k = 0; k < m->riders; k++)
+    for (uint32_t j = 0; j < m->rider[k].joints; j++) {
+      size_t point = hk_model_find(m, m->rider[k].joined + j);
+      if (point < m->n) s->left[point] = true;
+    }
 }
 
 static hk_status list(surfaces *s, const hk_view *view) {

@@ -1,5 +1,6 @@
--- ragdoll.lua: a limp figure of capsules falls down stairs. Neck, shoulders and hips are ball joints, whose cones have no limits; elbows
--- and knees are hinges that bend one way only. The measure `beyond` is how far a limit is passed, rad; `height` is that of the chest, m.
+-- ragdoll.lua: a limp figure of capsules falls down stairs. Neck, shoulders and hips are ball joints, whose cones have no limits but
+-- that the limbs meet (`contact`); elbows and knees are hinges that bend one way only. The measure `beyond` is how far a limit is
+-- passed, rad; `height` is that of the chest, m.
 local steps = param("steps", 5, "of the stairs", { min = 1 })
 local T = param("duration", 2, "s", { min = 0.1 })
 local mu = param("friction", 0.5, "")
@@ -30,12 +31,13 @@ end
 
 -- It stands on the edge and leans forwards.
 local chest = limb(0, { -0.1, 0.95 }, { 0, 1.5 }, 0.12)
-scene:joint { kind = "ball", a = limb(0, { 0.02, 1.55 }, { 0.06, 1.8 }, 0.1), b = chest, at = { 0.01, 0, 1.525 } }
+scene:joint { kind = "ball", a = limb(0, { 0.02, 1.55 }, { 0.06, 1.8 }, 0.1), b = chest, at = { 0.01, 0, 1.525 },
+  contact = true }
 for _, y in ipairs { -1, 1 } do
   local arm, forearm = limb(0.2 * y, { 0, 1.42 }, { -0.02, 1.14 }, 0.045), limb(0.2 * y, { -0.02, 1.1 }, { 0.04, 0.82 }, 0.04)
   local thigh, shin = limb(0.1 * y, { -0.1, 0.86 }, { -0.08, 0.5 }, 0.07), limb(0.1 * y, { -0.08, 0.46 }, { -0.12, 0.01 }, 0.05)
-  scene:joint { kind = "ball", a = arm, b = chest, at = { 0, 0.19 * y, 1.43 } }
-  scene:joint { kind = "ball", a = thigh, b = chest, at = { -0.1, 0.1 * y, 0.9 } }
+  scene:joint { kind = "ball", a = arm, b = chest, at = { 0, 0.19 * y, 1.43 }, contact = true }
+  scene:joint { kind = "ball", a = thigh, b = chest, at = { -0.1, 0.1 * y, 0.9 }, contact = true }
   bends(forearm, arm, { -0.02, 0.2 * y, 1.12 }, -2.2, 0.1)
   bends(shin, thigh, { -0.08, 0.1 * y, 0.48 }, -0.1, 2.2)
 end

@@ -158,6 +158,20 @@ static void read_place(joint *j) {
                 (int)it->particle, apart, it->at[0], it->at[1], it->at[2]);
 }
 
+/* Whether the two bodies meet each other: at a joint their surfaces mostly touch or overlap, and would jam it. */
+static bool read_contact(const joint *j) {
+  int type = hk_lua_field(j->L, 2, "contact");
+  if (type != LUA_TNIL && type != LUA_TBOOLEAN)
+    hk_lua_fail(j->L, HK_BAD_PARAM, "joint: contact: expected true or false, got %s", hk_lua_kind(j->L, -1));
+  if (type != LUA_TNIL && !j->it.has_b)
+    hk_lua_fail(j->L, HK_BAD_PARAM,
+                "joint: contact: it is for two bodies, and b is none: leave it out; what is not to touch is named in "
+                "`leave` of the contact");
+  bool meet = lua_toboolean(j->L, -1);
+  lua_pop(j->L, 1);
+  return meet;
+}
+
 /* ---- the kinds ---- */
 
 /* The distance between the point at p (from the joint, in `size`) on a and that at p + u on b: for a small turn w of a
@@ -254,7 +268,7 @@ static void note_counts(const hk_scene *scene, size_t count[3]) {
 }
 
 int hk_build_joint(lua_State *L) {
-  static const char *const keys[] = {"kind", "a", "b", "at", "axis", "axis_b", "to", NULL};
+  static const char *const keys[] = {"kind", "a", "b", "at", "axis", "axis_b", "to", "contact", NULL};
   joint j = {.L = L, .scene = hk_lua_scene(L, 1)};
   size_t first[3], end[3];
   hk_lua_check_table(L, 2, "joint", "scene:joint { kind = \"ball\", a = body, b = other, at = {x, y, z} }");
@@ -266,9 +280,12 @@ int hk_build_joint(lua_State *L) {
     return hk_lua_fail(L, HK_BAD_PARAM, "joint: a: expected a rigid body, of scene:rigid");
   read_b(&j);
   read_place(&j);
+  bool meet = read_contact(&j);
   note_counts(j.scene, first);
+  size_t before = j.scene->particles.n;
   make(&j);
   note_counts(j.scene, end);
+  if (!meet) hk_scene_mark_joint(j.scene, before);
   for (int k = 0; k < 3; k++) j.it.part[k] = (hk_joint_range){first[k], end[k] - first[k]};
   j.it.kind_name = kind_name[j.it.kind];
   hk_joint_push(L, 1, &j.it);

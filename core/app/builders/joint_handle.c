@@ -308,11 +308,13 @@ static int frame(lua_State *L) {
     place[2][c] = j->at[c] + (hinge ? across : along);
     place[3][c] = j->at[c] + (hinge ? -across : 2 * along);
   }
+  size_t before = scene->particles.n;
   lua_createtable(L, 4, 0);
   for (int k = 0; k < 4; k++) {
     lua_pushinteger(L, hk_joint_point(L, scene, j, k == (hinge ? 3 : 1), place[k]));
     lua_rawseti(L, -2, k + 1);
   }
+  if (!j->has_b) hk_scene_mark_joint(scene, before); /* places, which nothing is to meet */
   return 1;
 }
 

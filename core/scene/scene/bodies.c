@@ -124,6 +124,13 @@ hk_status hk_scene_add_rider(hk_scene *scene, const hk_rider *r, hk_error *error
   return HK_OK;
 }
 
+void hk_scene_mark_joint(hk_scene *scene, size_t before) {
+  hk_particles *p = &scene->particles;
+  hk_rider *first = NULL;
+  for (size_t k = p->riders; k-- > 0 && p->rider[k].particle > before;) first = &p->rider[k];
+  if (first) first->joined = (uint32_t)before + 1, first->joints = (uint8_t)(p->n - before);
+}
+
 /* ---- surfaces ---- */
 
 hk_status hk_scene_add_skin(hk_scene *scene, const hk_body_skin *skin, hk_error *error) {

@@ -5,12 +5,16 @@
  * P(R z_0 - u)/R (Todorov 2014, Convex and analytically-invertible dynamics with contacts and constraints, ICRA,
  * section III). Programs follow each other, each about the z of the last one, so that R (z - z_0), which is what u is
  * off, goes to 0 (Rockafellar 1976, SIAM J. Control Optim. 14, 877); from the impulses of the last step a heap at rest
- * needs none. The matrix has a block for each pair of bodies that touch, so that time and memory follow the number of
- * contacts. */
+ * needs none. What slides is beyond a convex program by mu |u_t| of the last one (De Saxce and Feng 1998, The
+ * bipotential method, Math. Comput. Modelling 28, 225), the first one by that of the impulses it begins with. The z and
+ * these are a fixed point of the programs, each of which is solved to a tenth of what the last one left; Anderson's
+ * acceleration (linear/anderson.h) takes the slow modes of heaps that tumble. The matrix has a block for each pair of
+ * bodies that touch, so that time and memory follow the number of contacts. */
 #ifndef HK_SOLID_PROGRAM_H
 #define HK_SOLID_PROGRAM_H
 
 #include "plugins/common/cones/solid_matrix.h"
+#include "plugins/common/linear/anderson.h"
 
 typedef struct hk_solid_impact {
   hk_solid_sides sides;
@@ -28,14 +32,19 @@ typedef struct hk_solid_program {
   hk_solid_impact *impact; /* room for those of the last hk_solid_program_reserve */
   double *w, *rhs, *dw;    /* room: solids x 6 */
   hk_solid_matrix matrix;
-  size_t impact_room, w_room, rhs_room, dw_room;
+  hk_anderson anderson;
+  double *state; /* room: what a program begins with, what it comes to, and the difference */
+  bool still;    /* what touches lies still: it sticks, so that the first program begins with no sliding */
+  bool closer;   /* after a solution: what is left is a tenth at most of what the impulses given left */
+  size_t impact_room, w_room, rhs_room, dw_room, state_room;
 } hk_solid_program;
 
 /* In `create`. HK_FAILED: the host has no service for linear systems. */
 hk_status hk_solid_program_open(hk_solid_program *, const hk_host *);
 hk_status hk_solid_program_reserve(hk_solid_program *, size_t solids, size_t impacts);
 /* Solves it for the z of the impacts; what u is off is below 1e-5 of the tolerance, or where programs end before that,
- * of the tolerance. *solved: false where it is more; z is then of no use. The errors are those of "solvers/1". */
+ * of the tolerance. *solved: false where it is more; z is then a better guess than what was given if `closer`, and else
+ * of no use. The errors are those of "solvers/1". */
 hk_status hk_solid_program_solve(hk_solid_program *, double tolerance, bool *solved);
 
 #endif

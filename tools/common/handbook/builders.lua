@@ -208,6 +208,7 @@ b | - | space | another one, or the id of a particle
 at | m | - | where it is, at the start
 axis | - | - | of a hinge, a slider, a universal joint
 axis_b | - | - | of a universal joint, in b
-to | m | - | of a distance: the point on b]],
+to | m | - | of a distance: the point on b
+contact | - | false | whether the surfaces of the two bodies meet each other]],
     example = "local w = scene:rigid { shape = 'sphere', radius = 1, mass = 1 } scene:joint { kind = 'ball', a = w, at = { 0, 0, 1 } }" },
 }

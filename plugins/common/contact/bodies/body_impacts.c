@@ -179,13 +179,14 @@ static hk_status solve_together(sweeping *w, const hk_body_newton_task *task, bo
 }
 
 static hk_status newton(sweeping *w, bool *solved) {
-  const hk_body_newton_task task = {w->speeds, all_rest(w), w->tolerance / 2, w->y};
+  bool still = all_rest(w);
+  const hk_body_newton_task task = {w->speeds, still, w->tolerance / 2, w->y, still};
   return solve_together(w, &task, solved);
 }
 
 /* What sweeps leave would add up to a creep of what lies still: Newton's iteration leaves less, where it gets there. */
 static hk_status polish(sweeping *w) {
-  const hk_body_newton_task task = {w->speeds, false, polished * w->tolerance, w->y};
+  const hk_body_newton_task task = {w->speeds, false, polished * w->tolerance, w->y, true};
   bool solved;
   return !w->exact && all_rest(w) && !w->bodies->moments ? solve_together(w, &task, &solved) : HK_OK;
 }
@@ -200,7 +201,7 @@ static hk_status sweep_some(sweeping *w, size_t *sweeps, size_t until) {
 /* What lies still pushes with nearly the impulses that it is given, so that many impacts are best solved together
  * before sweeps look for others. */
 static hk_status begin_together(sweeping *w) {
-  const hk_body_newton_task task = {w->speeds, true, w->tolerance / 2, w->y};
+  const hk_body_newton_task task = {w->speeds, true, w->tolerance / 2, w->y, true};
   const double *at = w->speeds ? w->move->x : w->bodies->start;
   return all_rest(w) ? hk_solid_newton(w->bodies, w->solver, &task, at, &w->exact) : HK_OK;
 }

@@ -9,6 +9,7 @@ typedef struct hk_body_newton_task {
   bool rest;        /* what lies still: where the iteration stops, convex programs (cone_program.h) begin it again */
   double tolerance; /* m or m/s */
   double *y;        /* n x 3 */
+  bool still;       /* what touches lies still, or nearly so */
 } hk_body_newton_task;
 
 /* Solves all impacts of a level together that take part and have been met. *solved: to the tolerance; else nothing was

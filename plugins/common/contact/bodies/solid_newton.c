@@ -159,8 +159,9 @@ static bool set_program(builder *b) {
   return fine;
 }
 
-/* All of them are solved then, until something else moves their bodies. */
-static void take_over(const builder *b, hk_contact_solver *solver) {
+/* Where they are solved, all of them are until something else moves their bodies; otherwise they are where Newton's
+ * iteration and sweeps begin. */
+static void take_over(const builder *b, hk_contact_solver *solver, bool solved) {
   const hk_solid_impact *from = b->p->impact;
   uint64_t now = ++solver->now;
   for (size_t e = 0; e < solver->count; e++) {
@@ -169,7 +170,7 @@ static void take_over(const builder *b, hk_contact_solver *solver) {
     axes_of(solver->impact[e].frame.n, axis);
     for (int a = 1; a < 3; a++) hk_add_scaled(slide, from->z[a], axis[a]);
     hk_body_impulse_set(b->s, solver, e, b->task->speeds, from->z[0], slide, b->task->y);
-    (b->task->speeds ? &solver->impact[e].speed : &solver->impact[e].place)->solved = now;
+    (b->task->speeds ? &solver->impact[e].speed : &solver->impact[e].place)->solved = solved ? now : 0;
     from++;
   }
 }
@@ -184,7 +185,8 @@ hk_status hk_solid_newton(hk_body_impacts *s, hk_contact_solver *solver, const h
   hk_status status = hk_solid_program_reserve(&s->program, 2 * count, count);
   if (status == HK_OK) status = hk_reserve(s->host, &s->frame, &s->frame_room, 2 * count, sizeof *s->frame);
   if (status != HK_OK || !set_program(&b)) return status;
+  s->program.still = task->still;
   status = hk_solid_program_solve(&s->program, task->tolerance, solved);
-  if (status == HK_OK && *solved) take_over(&b, solver);
+  if (status == HK_OK && (*solved || s->program.closer)) take_over(&b, solver, *solved);
   return status;
 }

@@ -64,12 +64,18 @@ static void try_edges(const task *t, size_t chunk, const hk_surface_item *item, 
         try_edge(t, chunk, item->edge[c], other->triangle[k]);
 }
 
+/* What a body has in itself is no pair of contact, but counts: it is not the body that was meant. */
+static bool of_two_bodies(const hk_surface_lists *l, const hk_surface_item *a, const hk_surface_item *b) {
+  return l->solid[a->vertex[0]] != l->solid[b->vertex[0]];
+}
+
 static void cross_row(const task *t, size_t chunk, uint32_t k) {
   const hk_broad_phase *s = t->search;
   const uint32_t *near = hk_gather_records(&s->near, k);
   hk_gather_row(t->into, chunk, k);
   for (size_t q = 0; q < s->near.row[k].count; q++) {
     const hk_surface_item *a = &s->items.item[s->order[k]], *b = &s->items.item[s->order[near[q]]];
+    if (of_two_bodies(s->lists, a, b) && hk_items_left_out(s->lists, a, b)) continue;
     try_edges(t, chunk, a, b);
     try_edges(t, chunk, b, a);
   }

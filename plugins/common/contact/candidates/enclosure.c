@@ -26,6 +26,7 @@ typedef struct solid {
 } solid;
 
 typedef struct search {
+  const hk_surface_lists *lists;
   const hk_surface_mesh *mesh;
   const hk_model *model;
   const double *x;
@@ -135,7 +136,9 @@ static void try_parts(const search *s, hk_enclosure *out) {
     for (end = begin + 1; end < s->mesh->points && s->point[end].owner == part;) end++;
     if (end - begin == 1 && s->owner[part] == pinned) continue;
     for (size_t b = 0; b < s->solids; b++)
-      if (s->solid[b].owner != s->owner[part] && try_part(s, s->point + begin, end - begin, &s->solid[b], out)) return;
+      if (!hk_solids_apart(s->lists, s->solid[b].owner, s->owner[part]) &&
+          try_part(s, s->point + begin, end - begin, &s->solid[b], out))
+        return;
   }
 }
 
@@ -150,7 +153,7 @@ static bool reserve(search *s, const hk_host *host) {
 
 hk_status hk_enclosure_find(const hk_surface_lists *l, const hk_host *host, const hk_model *model, const double *x,
                             hk_enclosure *out) {
-  search s = {.mesh = &l->mesh, .model = model, .x = x};
+  search s = {.lists = l, .mesh = &l->mesh, .model = model, .x = x};
   hk_status status = HK_OK;
   *out = (hk_enclosure){0};
   if (reserve(&s, host)) {

@@ -137,17 +137,17 @@ static void try_edges(const output *o, const member *a, const member *b) {
   }
 }
 
-/* Whether both are of one rigid body, which does not meet itself. */
-static bool are_one_solid(const hk_surface_lists *l, const hk_surface_item *a, const hk_surface_item *b) {
-  uint32_t solid = l->solid[a->vertex[0]];
-  bool one = solid != UINT32_MAX;
-  for (int c = 0; c < 4; c++) one = one && l->solid[a->vertex[c]] == solid && l->solid[b->vertex[c]] == solid;
-  return one;
+bool hk_items_left_out(const hk_surface_lists *l, const hk_surface_item *a, const hk_surface_item *b) {
+  uint32_t solid = l->solid[a->vertex[0]], other = l->solid[b->vertex[0]];
+  if (!hk_solids_apart(l, solid, other)) return false;
+  for (int c = 1; c < 4; c++)
+    if (l->solid[a->vertex[c]] != solid || l->solid[b->vertex[c]] != other) return false;
+  return true;
 }
 
 void hk_items_compare(const output *o, uint32_t place, uint32_t other) {
   const hk_broad_phase *s = o->search;
-  if (are_one_solid(s->lists, &s->items.item[s->order[place]], &s->items.item[s->order[other]])) return;
+  if (hk_items_left_out(s->lists, &s->items.item[s->order[place]], &s->items.item[s->order[other]])) return;
   member a = {.item = &s->items.item[s->order[place]], .box = &s->box[place]};
   member b = {.item = &s->items.item[s->order[other]], .box = &s->box[other]};
   sift(s, &a, b.box);

@@ -67,10 +67,34 @@ static void the_legend_is_drawn_where_something_has_its_colours(void **state) {
   }
 }
 
+/* Groups are numbered from 1 on, as 0 is what has none: orange and green of the table of groups. */
+static void bodies_have_the_colours_of_their_groups(void **state) {
+  (void)state;
+  static const char *const two =
+      "local scene = hooke.scene { duration = 0.1, fps = 10, integrator = 'leapfrog', dt = 0.01 }\n"
+      "scene:rigid { shape = 'box', size = 0.2, mass = 1, position = { -0.3, 0, 0 }, group = 'first' }\n"
+      "scene:rigid { shape = 'box', size = 0.2, mass = 1, position = { 0.3, 0, 0 }, group = 'second' }\n"
+      "scene:output('frames', { width = 480, height = 270, video = false, color = 'group', shadows = false,\n"
+      "  from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, fov = 15.378, ground = false, background = { 0.5, 0.5, 0.5 } })\n"
+      "return scene\n";
+  char path[512];
+  test_write("groups.lua", two);
+  test_hooke(&r, NULL, "run groups.lua --quiet --no-check");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/groups/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  int first = MIDDLE - 30, second = MIDDLE + 30;
+  const unsigned char *orange = at(&p, first, ROW), *green = at(&p, second, ROW);
+  assert_true(orange[0] > orange[1] + 30 && orange[1] > orange[2] + 30);
+  assert_true(green[1] > green[2] + 15 && green[2] > green[0] + 30);
+  free(p.rgb);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sides_of_bodies_are_flat_up_to_their_edges),
       cmocka_unit_test(the_legend_is_drawn_where_something_has_its_colours),
+      cmocka_unit_test(bodies_have_the_colours_of_their_groups),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
