@@ -177,7 +177,11 @@ static void contact_takes_the_surface_of_bodies(void **state) {
   test_engine_open(&e);
   for (int k = 0; k < 3; k++) test_particle(&e, k, 0, 0, 1);
   for (int k = 0; k < 2; k++) {
-    hk_rider r = {test_particle(&e, 0, 0, 0, 0), 2, {1, 2}, {0.5, 0.5}, k == 0, 0};
+    hk_rider r = {.particle = test_particle(&e, 0, 0, 0, 0),
+                  .carriers = 2,
+                  .carrier = {1, 2},
+                  .weight = {0.5, 0.5},
+                  .touches = k == 0};
     assert_int_equal(hk_scene_add_rider(e.scene, &r, &e.error), HK_OK);
   }
   test_run(&e);
