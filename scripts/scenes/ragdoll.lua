@@ -1,5 +1,5 @@
 -- ragdoll.lua: a limp figure of capsules falls down stairs. Neck, shoulders and hips are ball joints, whose cones have no limits but
--- that the limbs meet (`contact`); elbows and knees are hinges that bend one way only. The measure `beyond` is how far a limit is
+-- that all limbs meet (`contact`); elbows and knees are hinges that bend one way only. The measure `beyond` is how far a limit is
 -- passed, rad; `height` is that of the chest, m.
 local steps = param("steps", 5, "of the stairs", { min = 1 })
 local T = param("duration", 2, "s", { min = 0.1 })
@@ -24,7 +24,7 @@ local function limb(y, from, to, radius)
 end
 local hinges = {}
 local function bends(a, b, at, lower, upper)
-  local joint = scene:joint { kind = "hinge", a = a, b = b, at = at, axis = { 0, 1, 0 } }
+  local joint = scene:joint { kind = "hinge", a = a, b = b, at = at, axis = { 0, 1, 0 }, contact = true }
   scene:constraint("joint_stops", { points = { joint:frame() }, lower = lower, upper = upper })
   hinges[#hinges + 1] = { joint = joint, lower = lower, upper = upper }
 end

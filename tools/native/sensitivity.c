@@ -18,9 +18,10 @@ static int close_record(lua_State *L) {
 /* record(run [, reach]): keeps the steps of a run from here on; or nil and why they cannot be differentiated. `reach`:
  * how far differences of the measure go, in parts of what they do otherwise. */
 static int begin(lua_State *L) {
+  double reach = luaL_optnumber(L, 2, 1); /* hk_lua_run leaves something behind the arguments */
   hk_run *run = hk_lua_run(L);
   record *r = lua_newuserdatauv(L, sizeof *r, 1);
-  *r = (record){.run = run, .reach = luaL_optnumber(L, 2, 1)};
+  *r = (record){.run = run, .reach = reach};
   luaL_setmetatable(L, hk_record_type);
   lua_createtable(L, 1, 0); /* runs, which live as long as the record */
   lua_pushvalue(L, 1);
