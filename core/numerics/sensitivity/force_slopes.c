@@ -83,7 +83,7 @@ void hk_force_slopes_close(hk_force_slopes *s, const hk_dynamics *d) {
 
 static bool same_tuples(const hk_tuples *a, const hk_tuples *b) {
   return a->count == b->count && a->arity == b->arity &&
-         memcmp(a->index, b->index, a->count * a->arity * sizeof *a->index) == 0;
+         (a->count == 0 || memcmp(a->index, b->index, a->count * a->arity * sizeof *a->index) == 0);
 }
 
 static bool same_list(const double *a, size_t count, const double *b, size_t other) {
