@@ -10,6 +10,7 @@
  * s is that of the last accepted step: it is constant within a step, and what a triangle stored and no longer does is
  * dissipated then. So the energy balance closes to the order of the method, and the softening itself is of order 1. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/channels/softening.h"
 #include "plugins/common/membranes/membrane.h"
 
 enum { LOST, GONE, VARIABLES };                                   /* per triangle: 1 - s; 0 or 1 */
@@ -56,8 +57,7 @@ static double *variables(const melting_membrane *m, size_t k) { return m->variab
 /* 1 - s of the present state. */
 static double softened(const melting_membrane *m, const hk_view *view, const uint32_t *corner) {
   const double *y = view->y + m->channel->offset * view->n;
-  double mean = (y[corner[0]] + y[corner[1]] + y[corner[2]]) / 3;
-  return fmin(1, fmax(0, (mean - m->softens) / m->range));
+  return hk_softened((y[corner[0]] + y[corner[1]] + y[corner[2]]) / 3, m->softens, m->range);
 }
 
 static hk_elasticity cold(const melting_membrane *m, size_t k) {

@@ -9,6 +9,7 @@
  * what the spring stored and no longer does is dissipated then. So the energy balance closes to the order of the
  * method, and the softening itself is of order 1. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/channels/softening.h"
 #include "plugins/common/springs/edge_laws.h"
 #include "plugins/kit/springs/edge.h"
 
@@ -59,8 +60,7 @@ static void law(const void *self, const hk_view *view, size_t e, double l, doubl
 /* 1 - s of the present state. */
 static double softened(const melting_springs *s, const hk_view *view, const uint32_t *pair) {
   const double *y = view->y + s->channel->offset * view->n;
-  double part = ((y[pair[0]] + y[pair[1]]) / 2 - s->softens) / s->range;
-  return fmin(1, fmax(0, part));
+  return hk_softened((y[pair[0]] + y[pair[1]]) / 2, s->softens, s->range);
 }
 
 static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution *report) {

@@ -259,8 +259,9 @@ static hk_status make_room(hk_solid_program *p) {
 static hk_status solve_programs(hk_solid_program *p, double tolerance, double *left, bool *solved) {
   double wanted = finer * tolerance, least = INFINITY;
   hk_status status = HK_OK;
-  for (int k = 0, stuck = 0; k<PROGRAMS && * left> wanted && stuck < STUCK; k++) {
+  for (int k = 0, stuck = 0; k < PROGRAMS && stuck < STUCK; k++) {
     double before = *left;
+    if (before <= wanted) break;
     write_state(p, p->state);
     status = solve_program(p, p->still || before <= tolerance ? wanted : fmax(wanted, inexact * before), solved);
     if (status != HK_OK || !*solved) return status;

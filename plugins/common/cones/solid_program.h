@@ -7,7 +7,7 @@
  * off, goes to 0 (Rockafellar 1976, SIAM J. Control Optim. 14, 877); from the impulses of the last step a heap at rest
  * needs none. What slides is beyond a convex program by mu |u_t| of the last one (De Saxce and Feng 1998, The
  * bipotential method, Math. Comput. Modelling 28, 225), the first one by that of the impulses it begins with. The z and
- * these are a fixed point of the programs, each of which is solved to a tenth of what the last one left; Anderson's
+ * these are a fixed point of the programs, each of which is solved to a part of what the last one left; Anderson's
  * acceleration (linear/anderson.h) takes the slow modes of heaps that tumble. The matrix has a block for each pair of
  * bodies that touch, so that time and memory follow the number of contacts. */
 #ifndef HK_SOLID_PROGRAM_H

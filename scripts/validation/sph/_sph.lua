@@ -35,6 +35,26 @@ function sph.forces(scene, dx, options)
   if options.mu then scene:force("viscosity", common { mu = options.mu }) end
 end
 
+-- Taylor and Green's vortices of the amplitude U, m/s, in a periodic box of the side `length`, m, with n x n particles and the
+-- viscosity nu, m^2/s. Returns a function: their amplitude at a time, m/s.
+function sph.vortices(scene, n, length, U, nu)
+  local k, dx = 2 * math.pi / length, length / n
+  local function mode(x, z) return math.sin(k * x) * math.cos(k * z), -math.cos(k * x) * math.sin(k * z) end
+  local ids = sph.fill(scene, dx, { 0, 0 }, { length, length },
+    { velocity = function(x, z) local u, w = mode(x, z) return U * u, U * w end })
+  scene:periodic { high = { length, length, length }, axes = "xz" }
+  sph.forces(scene, dx, { c = 2, mu = sph.density * nu, cavitates = false })
+  return function(t)
+    local state, sum, norm = scene:run { to = t }:state(), 0, 0
+    for _, id in ipairs(ids) do
+      local x, v = state:position(id), state:velocity(id)
+      local u, w = mode(x[1], x[3])
+      sum, norm = sum + u * v[1] + w * v[3], norm + u * u + w * w
+    end
+    return sum / norm
+  end
+end
+
 local function shape(t) return t < 1 and (1 - t) ^ 4 * (1 + 4 * t) or 0 end
 
 -- kg/m^3: the density of particle `id` by those of `all`, in a box that repeats along x with that length, or none.

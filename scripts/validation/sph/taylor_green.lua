@@ -6,8 +6,6 @@ local nu, U, length = 0.02, 0.2, 1 -- m^2/s, m/s, m
 local k = 2 * math.pi / length
 local begin, finish = 0.05, 0.25   -- s
 
-local function mode(x, z) return math.sin(k * x) * math.cos(k * z), -math.cos(k * x) * math.sin(k * z) end
-
 return validation.problem {
   title = "Decay of vortices by particles",
   quantities = {
@@ -18,21 +16,8 @@ return validation.problem {
   why = "particles leave their lattice, for which the kernels are calibrated",
   quick = { space = { 8, 12, 16 }, tolerance = 0.1 },
   solve = function(at)
-    local dx = length / at.n
-    local scene = hooke.scene { duration = finish, fps = 1 / begin, dt = 0.1 * dx, integrator = "leapfrog" }
-    local ids = sph.fill(scene, dx, { 0, 0 }, { length, length },
-      { velocity = function(x, z) local u, w = mode(x, z) return U * u, U * w end })
-    scene:periodic { high = { length, length, length }, axes = "xz" }
-    sph.forces(scene, dx, { c = 2, mu = sph.density * nu, cavitates = false })
-    local function amplitude(t)
-      local state, sum, norm = scene:run { to = t }:state(), 0, 0
-      for _, id in ipairs(ids) do
-        local x, v = state:position(id), state:velocity(id)
-        local u, w = mode(x[1], x[3])
-        sum, norm = sum + u * v[1] + w * v[3], norm + u * u + w * w
-      end
-      return sum / norm
-    end
+    local scene = hooke.scene { duration = finish, fps = 1 / begin, dt = 0.1 * length / at.n, integrator = "leapfrog" }
+    local amplitude = sph.vortices(scene, at.n, length, U, nu)
     return math.log(amplitude(begin) / amplitude(finish)) / (finish - begin)
   end,
 }

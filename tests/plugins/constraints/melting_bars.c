@@ -1,5 +1,5 @@
 /* Bars that melt: what hangs on them falls when the channel says, from the link that says so, and the others hold. */
-#include "tests/support/engine.h"
+#include "tests/support/melting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,9 +15,8 @@ static const double g = 10, melts = 270, growth = 40, dt = 1e-3; /* m/s^2; K; K/
 /* A chain of bars of 1 m that hangs from particle 1; particle k is at T[k] K at the start and warms. */
 static hk_plugin_spec *chain(test_engine *e, uint32_t links, const double *T) {
   uint32_t edge[LINKS][2];
-  double cold = 0;
   test_engine_open(e);
-  assert_int_equal(hk_scene_add_channel(e->scene, "temperature", 1, &cold, NAN, NULL, &e->error), HK_OK);
+  melting_channel(e, 0);
   for (uint32_t k = 0; k <= links; k++) {
     uint32_t id = test_particle(e, 0, 0, -(double)k, 1);
     assert_int_equal(hk_scene_set_channel(e->scene, "temperature", id, &T[k], 1, &e->error), HK_OK);
@@ -25,9 +24,8 @@ static hk_plugin_spec *chain(test_engine *e, uint32_t links, const double *T) {
   }
   test_pin(e, HK_PIN_FIXED, 1, NULL);
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, 0, -g);
-  hk_plugin_spec *relax = test_plugin(e, HK_FORCE, "relax"), *spec = test_plugin(e, HK_CONSTRAINT, "melting_bars");
-  test_text(e, relax, "channel", "temperature");
-  test_number(e, relax, "growth", growth);
+  melting_warms(e, growth);
+  hk_plugin_spec *spec = test_plugin(e, HK_CONSTRAINT, "melting_bars");
   test_edges(e, spec, (const uint32_t(*)[2])edge, links);
   test_text(e, spec, "channel", "temperature");
   test_number(e, spec, "melts", melts);
@@ -90,9 +88,7 @@ static void no_channel_is_refused(void **state) {
   (void)state;
   test_engine e;
   hk_plugin_spec *spec = chain(&e, 1, (double[]){0, 0});
-  test_text(&e, spec, "channel", "warmth");
-  assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
-  assert_non_null(strstr(e.error.text, "warmth"));
+  melting_needs_its_channel(&e, spec);
   test_engine_close(&e);
 }
 

@@ -1,6 +1,7 @@
 /* Sheets that soften by their channel, melt and tear: the force and its derivatives, the energy that is lost, what
  * stays gone, and what is refused. */
 #include "tests/plugins/forces/membranes.h"
+#include "tests/support/melting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,21 +12,11 @@
 
 static const double Y = 40, softens = 250, melts = 270, mass = 0.5, reach = 0.2; /* N/m; K; kg; m */
 
-static void add_channel(test_engine *e, double T) {
-  assert_int_equal(hk_scene_add_channel(e->scene, "temperature", 1, &T, NAN, NULL, &e->error), HK_OK);
-}
-
-static void follows(test_engine *e, hk_plugin_spec *spec) {
-  test_text(e, spec, "channel", "temperature");
-  test_number(e, spec, "softens", softens);
-  test_number(e, spec, "range", melts - softens);
-}
-
 /* A square of 1 m of two triangles at the temperature T; its side at x = 0 is fixed, the other one is 1 + reach away at
  * the start. It is pulled evenly. */
 static hk_plugin_spec *square(test_engine *e, double T) {
   test_engine_open(e);
-  add_channel(e, T);
+  melting_channel(e, T);
   test_particle(e, 0, 0, 0, mass), test_particle(e, 0, 1, 0, mass);
   test_particle(e, 1 + reach, 0, 0, mass), test_particle(e, 1 + reach, 1, 0, mass);
   for (uint32_t id = 1; id <= 2; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
@@ -33,7 +24,7 @@ static hk_plugin_spec *square(test_engine *e, double T) {
   test_tuples(e, spec, "triangles", 3, (uint32_t[]){1, 3, 2, 3, 4, 2}, 2);
   test_number(e, spec, "stiffness", Y);
   test_number(e, spec, "rest", 1 / (1 + reach));
-  follows(e, spec);
+  melting_follows(e, spec, softens, melts - softens);
   e->options.integrator = "leapfrog";
   e->options.dt = 1e-3;
   e->scene->fps = 1000;
@@ -59,12 +50,6 @@ static void softened_sheets_swing_slower(void **state) {
   }
 }
 
-static void warms(test_engine *e, double rate) {
-  hk_plugin_spec *relax = test_plugin(e, HK_FORCE, "relax");
-  test_text(e, relax, "channel", "temperature");
-  test_number(e, relax, "growth", rate);
-}
-
 /* Of a sheet that warms by 40 K/s and is gone after 0.5 s the energy balance closes: what it loses is dissipated. Then
  * its particles fly on. */
 static void what_melts_is_gone_and_its_energy_is_counted(void **state) {
@@ -72,7 +57,7 @@ static void what_melts_is_gone_and_its_energy_is_counted(void **state) {
   test_engine e;
   hk_summary s;
   square(&e, softens);
-  warms(&e, 40);
+  melting_warms(&e, 40);
   test_run(&e);
   test_advance(&e, 0.6);
   double v[3];
@@ -91,7 +76,7 @@ static void what_has_only_softened_is_stiff_again(void **state) {
   for (int molten = 0; molten < 2; molten++) {
     test_engine e;
     square(&e, melts + (molten ? 1 : -1));
-    warms(&e, -100);
+    melting_warms(&e, -100);
     test_run(&e);
     test_advance(&e, 1);
     double before = test_velocity(&e, 3)[0];
@@ -129,10 +114,10 @@ static void forces_are_those_of_a_sheet_times_its_factor(void **state) {
       test_engine e;
       uint64_t seed = 5;
       test_engine_open(&e);
-      add_channel(&e, gone ? melts : (softens + melts) / 2);
+      melting_channel(&e, gone ? melts : (softens + melts) / 2);
       hk_plugin_spec *spec = sheet_add(&e, &s, kind ? "membrane" : "melting_membrane");
       set(&e, spec, &MATERIAL[k % MATERIALS]);
-      if (!kind) follows(&e, spec);
+      if (!kind) melting_follows(&e, spec, softens, melts - softens);
       test_run(&e);
       hk_instance *force = test_instance(&e, spec);
       hk_view view = force_view(&e, force);
@@ -163,9 +148,7 @@ static void no_channel_is_refused(void **state) {
   (void)state;
   test_engine e;
   hk_plugin_spec *spec = square(&e, 0);
-  test_text(&e, spec, "channel", "warmth");
-  assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
-  assert_non_null(strstr(e.error.text, "warmth"));
+  melting_needs_its_channel(&e, spec);
   test_engine_close(&e);
 }
 

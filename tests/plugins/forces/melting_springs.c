@@ -1,5 +1,5 @@
 /* Springs that soften by their channel, melt and break: the force, the energy that is lost, and what stays gone. */
-#include "tests/support/engine.h"
+#include "tests/support/melting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,7 @@ static const double K = 40, softens = 250, melts = 270, mass = 1, reach = 0.2; /
 static hk_plugin_spec *spring(test_engine *e, double T) {
   const uint32_t edge[1][2] = {{1, 2}};
   test_engine_open(e);
-  assert_int_equal(hk_scene_add_channel(e->scene, "temperature", 1, &T, NAN, NULL, &e->error), HK_OK);
+  melting_channel(e, T);
   test_particle(e, 0, 0, 0, mass);
   test_particle(e, 1 + reach, 0, 0, mass);
   test_pin(e, HK_PIN_FIXED, 1, NULL);
@@ -22,9 +22,7 @@ static hk_plugin_spec *spring(test_engine *e, double T) {
   test_edges(e, spec, edge, 1);
   test_number(e, spec, "k", K);
   test_number(e, spec, "rest", 1);
-  test_text(e, spec, "channel", "temperature");
-  test_number(e, spec, "softens", softens);
-  test_number(e, spec, "range", melts - softens);
+  melting_follows(e, spec, softens, melts - softens);
   e->options.integrator = "leapfrog";
   e->options.dt = 1e-3;
   e->scene->fps = 1000;
@@ -46,12 +44,6 @@ static void softened_springs_swing_slower(void **state) {
   }
 }
 
-static void warms(test_engine *e, double rate) {
-  hk_plugin_spec *relax = test_plugin(e, HK_FORCE, "relax");
-  test_text(e, relax, "channel", "temperature");
-  test_number(e, relax, "growth", rate);
-}
-
 /* Of a spring that warms by 40 K/s and is gone after 0.5 s the energy balance closes: what it loses is dissipated. Then
  * its particle flies on. */
 static void what_melts_is_gone_and_its_energy_is_counted(void **state) {
@@ -59,7 +51,7 @@ static void what_melts_is_gone_and_its_energy_is_counted(void **state) {
   test_engine e;
   hk_summary s;
   spring(&e, softens);
-  warms(&e, 40);
+  melting_warms(&e, 40);
   test_run(&e);
   double first = 0.5 * K * reach * reach;
   test_advance(&e, 0.6);
@@ -78,7 +70,7 @@ static void what_has_only_softened_is_stiff_again(void **state) {
   for (int molten = 0; molten < 2; molten++) {
     test_engine e;
     spring(&e, melts + (molten ? 1 : -1));
-    warms(&e, -100);
+    melting_warms(&e, -100);
     test_run(&e);
     test_advance(&e, 1);
     double before = test_velocity(&e, 2)[0];
