@@ -132,7 +132,7 @@ static bool try_part(const search *s, const owned *point, size_t count, const so
 
 /* A particle on its own that the body holds. */
 static bool holds(const search *s, const solid *b, const owned *point, size_t count) {
-  return count == 1 && hk_solid_holds(s->lists, b->owner, &point->index, 1);
+  return count == 1 && hk_solid_holds(&s->lists->joined, b->owner, &point->index, 1);
 }
 
 static void try_parts(const search *s, hk_enclosure *out) {
@@ -141,7 +141,7 @@ static void try_parts(const search *s, hk_enclosure *out) {
     for (end = begin + 1; end < s->mesh->points && s->point[end].owner == part;) end++;
     if (end - begin == 1 && s->owner[part] == pinned) continue;
     for (size_t b = 0; b < s->solids; b++)
-      if (!hk_solids_apart(s->lists, s->solid[b].owner, s->owner[part]) &&
+      if (!hk_solids_apart(&s->lists->joined, s->solid[b].owner, s->owner[part]) &&
           !holds(s, &s->solid[b], s->point + begin, end - begin) &&
           try_part(s, s->point + begin, end - begin, &s->solid[b], out))
         return;

@@ -51,7 +51,8 @@ static bool are_held(const hk_broad_phase *s, const uint32_t v[4]) {
 }
 
 bool hk_features_left_out(const hk_surface_lists *l, const uint32_t *a, int of_a, const uint32_t *b, int of_b) {
-  return l->is_held && (hk_solid_holds(l, l->solid[b[0]], a, of_a) || hk_solid_holds(l, l->solid[a[0]], b, of_b));
+  return l->joined.is_held &&
+         (hk_solid_holds(&l->joined, l->solid[b[0]], a, of_a) || hk_solid_holds(&l->joined, l->solid[a[0]], b, of_b));
 }
 
 static void try_point(const output *o, uint32_t p, const uint32_t t[3]) {
@@ -145,7 +146,7 @@ static void try_edges(const output *o, const member *a, const member *b) {
 
 bool hk_items_left_out(const hk_surface_lists *l, const hk_surface_item *a, const hk_surface_item *b) {
   uint32_t solid = l->solid[a->vertex[0]], other = l->solid[b->vertex[0]];
-  if (!hk_solids_apart(l, solid, other)) return false;
+  if (!hk_solids_apart(&l->joined, solid, other)) return false;
   for (int c = 1; c < 4; c++)
     if (l->solid[a->vertex[c]] != solid || l->solid[b->vertex[c]] != other) return false;
   return true;

@@ -1,7 +1,4 @@
-/* Which bodies do not meet, as they are joined: by joints of the scene, unless these say otherwise, by constraints that
- * keep a point of the one nearer to a point of the other than the thickness, where contact would push against the
- * constraint, and by a particle that both hold so. */
-#include "plugins/common/contact/surfaces/surface_lists.h"
+#include "plugins/common/contact/surfaces/joined_bodies.h"
 
 #include "plugins/kit/vector3.h"
 
@@ -10,7 +7,7 @@
 static const double one_place = 1e-9; /* of the coordinates: what points of a ball of scene:joint may be apart */
 
 typedef struct finder {
-  hk_surface_lists *lists;
+  hk_joined_bodies *into;
   const hk_model *model;
   const double *x;
   double reach;   /* m, of points that contact would push apart */
@@ -54,16 +51,16 @@ static bool is_joint(const finder *f, const uint32_t *pair) {
 }
 
 static void add_apart(finder *f, uint32_t p, uint32_t q) {
-  uint32_t *pair = f->lists->apart[f->lists->aparts];
+  uint32_t *pair = f->into->apart[f->into->aparts];
   if (p == q) return;
   pair[0] = p < q ? p : q, pair[1] = p < q ? q : p;
-  f->lists->aparts++;
+  f->into->aparts++;
 }
 
 static void add_held(finder *f, const uint32_t *pair) {
   uint32_t a = f->body[pair[0]], b = f->body[pair[1]];
   if ((a == UINT32_MAX) == (b == UINT32_MAX) || !is_near(f, pair) || lets_meet(f, pair)) return;
-  uint32_t *held = f->lists->held[f->lists->helds++];
+  uint32_t *held = f->into->held[f->into->helds++];
   held[0] = a == UINT32_MAX ? pair[0] : pair[1], held[1] = a == UINT32_MAX ? b : a;
 }
 
@@ -91,7 +88,7 @@ static void add_joint(finder *f, const hk_rider *r) {
 
 /* ---- particles that several bodies hold ---- */
 
-static size_t shared(const hk_surface_lists *l) {
+static size_t shared(const hk_joined_bodies *l) {
   size_t count = 0;
   for (size_t k = 0, first = 0; k < l->helds; k++) {
     if (l->held[k][0] != l->held[first][0]) first = k;
@@ -101,7 +98,7 @@ static size_t shared(const hk_surface_lists *l) {
 }
 
 static void add_shared(finder *f) {
-  const hk_surface_lists *l = f->lists;
+  const hk_joined_bodies *l = f->into;
   for (size_t k = 0, first = 0; k < l->helds; k++) {
     if (l->held[k][0] != l->held[first][0]) first = k;
     for (size_t q = first; q < k; q++) add_apart(f, l->held[q][1], l->held[k][1]);
@@ -111,7 +108,7 @@ static void add_shared(finder *f) {
 /* ---- all ---- */
 
 static bool take_held(finder *f, const hk_host *host, size_t kept) {
-  hk_surface_lists *l = f->lists;
+  hk_joined_bodies *l = f->into;
   l->held = host->allocate(host, (kept + 1) * sizeof *l->held);
   if (!l->held) return false;
   each_kept(f, add_held);
@@ -123,9 +120,8 @@ static bool take_held(finder *f, const hk_host *host, size_t kept) {
   return true;
 }
 
-/* A pair of bodies is in the list as often as it is named. */
 static bool take_apart(finder *f, const hk_host *host, size_t count) {
-  hk_surface_lists *l = f->lists;
+  hk_joined_bodies *l = f->into;
   l->apart = host->allocate(host, (count + shared(l) + 1) * sizeof *l->apart);
   if (!l->apart) return false;
   for (size_t k = 0; k < f->model->riders; k++) add_joint(f, &f->model->rider[k]);
@@ -135,14 +131,14 @@ static bool take_apart(finder *f, const hk_host *host, size_t count) {
   return true;
 }
 
-hk_status hk_joined_bodies_take(hk_surface_lists *l, const hk_host *host, const hk_view *view,
+hk_status hk_joined_bodies_find(hk_joined_bodies *l, const hk_host *host, const hk_view *view,
                                 const hk_surface_request *request) {
   const hk_model *m = view->model;
   size_t joints = 0, kept = 0;
   for (size_t k = 0; k < m->riders; k++) joints += m->rider[k].joints;
   for (size_t k = 0; k < m->kept_lists; k++) kept += m->join[k]->count;
   if (m->riders == 0 || joints + kept == 0) return HK_OK;
-  finder f = {.lists = l, .model = m, .x = view->x};
+  finder f = {.into = l, .model = m, .x = view->x};
   f.reach = request->thickness / 2 + fmax(request->thickness / 2, request->radius);
   f.body = host->allocate(host, m->n * sizeof *f.body);
   if (f.body) take_bodies(&f);
@@ -151,15 +147,21 @@ hk_status hk_joined_bodies_take(hk_surface_lists *l, const hk_host *host, const 
   return done ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs of joined points", joints + kept);
 }
 
+void hk_joined_bodies_free(hk_joined_bodies *l, const hk_host *host) {
+  void *memory[] = {l->apart, l->held, l->is_held};
+  for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  *l = (hk_joined_bodies){0};
+}
+
 /* ---- questions ---- */
 
-bool hk_solids_apart(const hk_surface_lists *l, uint32_t solid, uint32_t other) {
+bool hk_solids_apart(const hk_joined_bodies *l, uint32_t solid, uint32_t other) {
   uint32_t pair[2] = {solid < other ? solid : other, solid < other ? other : solid};
   if (solid == UINT32_MAX || other == UINT32_MAX) return false;
   return solid == other || (l->aparts && bsearch(pair, l->apart, l->aparts, sizeof *l->apart, rising));
 }
 
-bool hk_solid_holds(const hk_surface_lists *l, uint32_t solid, const uint32_t *particle, int count) {
+bool hk_solid_holds(const hk_joined_bodies *l, uint32_t solid, const uint32_t *particle, int count) {
   bool holds = false;
   for (int c = 0; c < count && l->is_held && solid != UINT32_MAX && !holds; c++) {
     const uint32_t pair[2] = {particle[c], solid};

@@ -34,9 +34,9 @@ static void release_scratch(builder *b) {
 }
 
 void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
-  void *memory[] = {l->point, l->edge,  l->edge_faces, l->triangle, l->part,       l->radius,
-                    l->solid, l->apart, l->held,       l->is_held,  l->in_triangle};
+  void *memory[] = {l->point, l->edge, l->edge_faces, l->triangle, l->part, l->radius, l->solid, l->in_triangle};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  hk_joined_bodies_free(&l->joined, host);
   *l = (hk_surface_lists){0};
 }
 
@@ -270,7 +270,7 @@ static hk_status build(builder *b) {
   number_parts(b);
   find_radii(b);
   take_solids(b);
-  return hk_joined_bodies_take(b->lists, b->host, b->view, b->request);
+  return hk_joined_bodies_find(&b->lists->joined, b->host, b->view, b->request);
 }
 
 hk_status hk_surface_lists_build(hk_surface_lists *lists, const hk_host *host, const hk_view *view,

@@ -2,18 +2,14 @@
 #ifndef HK_SURFACE_LISTS_H
 #define HK_SURFACE_LISTS_H
 
-#include "plugins/common/contact/surfaces/surfaces.h"
+#include "plugins/common/contact/surfaces/joined_bodies.h"
 
 typedef struct hk_surface_lists {
   hk_surface_mesh mesh; /* of the arrays below; `number` is left to the caller */
   uint32_t *point, (*edge)[2], (*edge_faces)[2], (*triangle)[3], *part;
   double *radius;
-  uint32_t *solid;      /* n: the first carrier of the rigid body whose surface it is of; UINT32_MAX: none */
-  uint32_t (*apart)[2]; /* such pairs of bodies that do not meet, as they are joined: the lower first, rising */
-  size_t aparts;
-  uint32_t (*held)[2]; /* particles of no body and such a body that holds them nearer than the thickness, rising */
-  size_t helds;
-  bool *is_held; /* n: it is one of those; NULL: there are none */
+  uint32_t *solid; /* n: the first carrier of the rigid body whose surface it is of; UINT32_MAX: none */
+  hk_joined_bodies joined;
   size_t surface_edges; /* edges of triangles, the first ones of the mesh; those of strands follow. Both are in */
   size_t strand_edges;  /* the order of their particles, the lower one first */
   bool *in_triangle;    /* n: a particle of a triangle, be it left out or not */
@@ -24,16 +20,6 @@ typedef struct hk_surface_lists {
 hk_status hk_surface_lists_build(hk_surface_lists *, const hk_host *, const hk_view *, const hk_surface_request *,
                                  const bool *left);
 void hk_surface_lists_free(hk_surface_lists *, const hk_host *);
-
-/* joined_bodies.c: fills `apart`, `held` and `is_held`, of lists that have all else. HK_NO_MEMORY. */
-hk_status hk_joined_bodies_take(hk_surface_lists *, const hk_host *, const hk_view *, const hk_surface_request *);
-
-/* Whether bodies, as in `solid`, do not meet: they are the same one, a joint joins them, or constraints hold points of
- * both nearer to each other than the thickness. */
-bool hk_solids_apart(const hk_surface_lists *, uint32_t solid, uint32_t other);
-/* Whether the body holds one of those particles, as a peg holds one of a cloth, so that their feature does not meet it.
- */
-bool hk_solid_holds(const hk_surface_lists *, uint32_t solid, const uint32_t *particle, int count);
 
 /* m: the largest radius of the particles of a feature. */
 static inline double hk_feature_radius(const hk_surface_mesh *m, const uint32_t *vertex, int count) {
