@@ -77,13 +77,18 @@ local function make_folder(path)
   return made, ("cannot create the folder %s: %s"):format(path, why)
 end
 
--- What is not converted, by name: what particles bounce off, and what is felt at places of a frame.
+-- What is not converted, by name: what particles bounce off, pictures of rigid bodies, and what is felt at places of a frame.
 local function left_out(recording, file)
   local r = recording.open(file)
   if not r then return {} end
-  local list, kinds = {}, {}
-  for _, solid in ipairs(r.solids) do kinds[#kinds + 1] = solid.kind end
+  local list, kinds, bodies = {}, {}, 0
+  for _, solid in ipairs(r.solids) do
+    if solid.body then bodies = bodies + 1 else kinds[#kinds + 1] = solid.kind end
+  end
   if #kinds > 0 then list[1] = ("obstacles (%s)"):format(table.concat(kinds, ", ")) end
+  if bodies > 0 then
+    list[#list + 1] = ("the shapes of rigid bodies (%d), but the triangles of those with body:surface()"):format(bodies)
+  end
   for _, mark in ipairs(r.marks) do
     list[#list + 1] = mark.kind == "wind" and ("the wind of '%s'"):format(mark.name) or "points of contact"
   end

@@ -177,5 +177,19 @@ refused("--to obj --smoothing 5", "give --isosurface RADIUS")
 refused("--to obj --isosurface 0", "--isosurface")
 refused("--to obj --isosurface 1e-9", "take larger ones, or leave out what has flown away")
 refused("--to obj --isosurface 0.1 --reach 0.01", "the reach is no less than the radius")
+
+-- ---- what is left out, by name: the shapes of bodies are no obstacles ----
+
+files.write(at("bodies.lua"), [[
+local scene = hooke.scene { duration = 0.1, fps = 10, integrator = "leapfrog", dt = 1e-2 }
+for k = 1, 2 do scene:rigid { shape = "box", size = { 1, 1, 1 }, mass = 1, position = { 2 * k, 0, 3 } } end
+scene:corrector("obstacle", { shape = "sphere", radius = 1 })
+scene:output("trajectory", {})
+return scene
+]])
+must("run bodies.lua --quiet --no-check --out bodies")
+local _, said = hooke("convert bodies --to vtk")
+assert(said:find("left out: obstacles (sphere); the shapes of rigid bodies (2), but", 1, true), said)
+
 os.execute("rm -r " .. files.quoted(folder))
 print("passed")

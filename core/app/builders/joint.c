@@ -163,10 +163,11 @@ static bool read_contact(const joint *j) {
   int type = hk_lua_field(j->L, 2, "contact");
   if (type != LUA_TNIL && type != LUA_TBOOLEAN)
     hk_lua_fail(j->L, HK_BAD_PARAM, "joint: contact: expected true or false, got %s", hk_lua_kind(j->L, -1));
-  if (type != LUA_TNIL && !j->it.has_b)
-    hk_lua_fail(j->L, HK_BAD_PARAM,
-                "joint: contact: it is for two bodies, and b is none: leave it out; what is not to touch is named in "
-                "`leave` of the contact");
+  if (type != LUA_TNIL && !j->it.has_b && !j->it.particle)
+    hk_lua_fail(
+        j->L, HK_BAD_PARAM,
+        "joint: contact: it is for what is joined to a body or a particle, and there is no b: leave it out; what "
+        "is not to touch is named in `leave` of the contact");
   bool meet = lua_toboolean(j->L, -1);
   lua_pop(j->L, 1);
   return meet;
@@ -285,7 +286,7 @@ int hk_build_joint(lua_State *L) {
   size_t before = j.scene->particles.n;
   make(&j);
   note_counts(j.scene, end);
-  if (!meet) hk_scene_mark_joint(j.scene, before);
+  hk_scene_mark_joint(j.scene, before, meet);
   for (int k = 0; k < 3; k++) j.it.part[k] = (hk_joint_range){first[k], end[k] - first[k]};
   j.it.kind_name = kind_name[j.it.kind];
   hk_joint_push(L, 1, &j.it);

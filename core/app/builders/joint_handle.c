@@ -314,7 +314,7 @@ static int frame(lua_State *L) {
     lua_pushinteger(L, hk_joint_point(L, scene, j, k == (hinge ? 3 : 1), place[k]));
     lua_rawseti(L, -2, k + 1);
   }
-  if (!j->has_b) hk_scene_mark_joint(scene, before); /* places, which nothing is to meet */
+  if (!j->has_b) hk_scene_mark_joint(scene, before, false); /* places, which nothing is to meet */
   return 1;
 }
 

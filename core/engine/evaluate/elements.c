@@ -71,27 +71,26 @@ static hk_status check_list(hk_dynamics *d, const char *label, const hk_elements
   return hk_error_set(d->error, HK_FAILED, "force '%s': its elements have %s: the plugin is at fault", label, fault);
 }
 
-/* The pairs in parameters of constraints; `into` NULL: only counts. */
-static size_t list_joins(const hk_instances *constraints, const hk_tuples **into) {
+/* The pairs in parameters of constraints that keep them as they are, or of the others; `into` NULL: only counts. */
+static size_t list_joins(const hk_instances *constraints, bool kept, const hk_tuples **into) {
   size_t count = 0;
   for (size_t k = 0; k < constraints->count; k++) {
     const hk_instance *instance = constraints->item[k];
-    for (const hk_param *p = instance->plugin->params; p && p->name; p++) {
-      if (!p->edges) continue;
-      if (into) into[count] = hk_param_in(p, instance->self);
-      count++;
-    }
+    if (kept != !!(instance->plugin->constraint->flags & (HK_DISTANCES | HK_DIFFERENCES))) continue;
+    for (const hk_param *p = instance->plugin->params; p && p->name; count += p->edges != 0, p++)
+      if (p->edges && into) into[count] = hk_param_in(p, instance->self);
   }
   return count;
 }
 
 hk_status hk_joins_refresh(hk_dynamics *d) {
   const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
-  size_t room = list_joins(constraints, NULL);
+  size_t room = list_joins(constraints, true, NULL) + list_joins(constraints, false, NULL);
   const hk_tuples **list = realloc(d->join, (room + 1) * sizeof *list);
   if (!list) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu lists of pairs", room);
-  d->state->model.join = d->join = list;
-  d->state->model.join_lists = list_joins(constraints, list);
+  hk_model *m = &d->state->model;
+  m->join = d->join = list, m->kept_lists = list_joins(constraints, true, list);
+  m->join_lists = m->kept_lists + list_joins(constraints, false, list + m->kept_lists);
   return HK_OK;
 }
 

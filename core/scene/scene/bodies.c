@@ -124,11 +124,11 @@ hk_status hk_scene_add_rider(hk_scene *scene, const hk_rider *r, hk_error *error
   return HK_OK;
 }
 
-void hk_scene_mark_joint(hk_scene *scene, size_t before) {
+void hk_scene_mark_joint(hk_scene *scene, size_t before, bool meets) {
   hk_particles *p = &scene->particles;
   hk_rider *first = NULL;
-  for (size_t k = p->riders; k-- > 0 && p->rider[k].particle > before;) first = &p->rider[k];
-  if (first) first->joined = (uint32_t)before + 1, first->joints = (uint8_t)(p->n - before);
+  for (size_t k = p->riders; k-- > 0 && p->rider[k].particle > before;) first = &p->rider[k], first->meets = meets;
+  if (first && !meets) first->joined = (uint32_t)before + 1, first->joints = (uint8_t)(p->n - before);
 }
 
 /* ---- surfaces ---- */

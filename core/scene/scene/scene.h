@@ -167,9 +167,9 @@ hk_status hk_scene_add_ways(hk_scene *, const char *where, size_t count, const u
 /* Makes the particle a rider, of ids, and puts it where it belongs. HK_BAD_PARAM: it has a mass, it or a carrier is
  * unknown or a rider, or the weights do not have the sum 1. */
 hk_status hk_scene_add_rider(hk_scene *, const hk_rider *, hk_error *error);
-/* The particles beyond the first `before` are the points of a joint, which its bodies do not meet at (hk_rider.joined).
- */
-void hk_scene_mark_joint(hk_scene *, size_t before);
+/* The particles beyond the first `before` are the points of a joint, which its bodies do not meet at (hk_rider.joined),
+ * or whose bodies meet all the same (hk_rider.meets). */
+void hk_scene_mark_joint(hk_scene *, size_t before, bool meets);
 /* A surface for pictures, of ids; its lists are copied. */
 hk_status hk_scene_add_skin(hk_scene *, const hk_body_skin *, hk_error *error);
 

@@ -72,7 +72,7 @@ return validation.problem {
   together = true,
   time = { 4e-5, 2e-5, 1e-5 },
   order = { time = 4, within = 0.8 },
-  tolerance = 1e-6,
+  tolerance = 1e-8,
   why = "errors of order 5 are as large as those of order 4, which are left",
   quick = { time = { 1e-4, 5e-5, 2.5e-5 }, tolerance = 1e-2 },
   solve = function(at)

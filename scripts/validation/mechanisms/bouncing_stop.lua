@@ -13,7 +13,7 @@ return validation.problem {
   title = "A weight bounces on the stop of a slider",
   quantities = { { name = "height", unit = "m", reference = reference, scale = depth, source = "closed form", noise = 1e-9 } },
   time = { 0.02, 0.01, 0.005 },
-  tolerance = 1e-8,
+  tolerance = 1e-12,
   why = "leapfrog has parabolas exactly, and impacts are found within steps",
   quick = { time = { 0.02, 0.01, 0.005 }, tolerance = 1e-8 },
   solve = function(at)

@@ -25,8 +25,8 @@ return validation.problem {
     { name = "last of five, e = 0.9", unit = "m/s", reference = 0.95 ^ 4 * v, source = "((1 + e)/2)^4" },
   },
   time = { 4e-4, 2e-4, 1e-4 },
-  tolerance = 1e-9,
-  noise = 1e-9,
+  tolerance = 1e-13,
+  noise = 1e-13,
   why = "speeds between impacts are constant, and the law of impact is exact",
   quick = { time = { 4e-4, 2e-4, 1e-4 } },
   solve = function(at)

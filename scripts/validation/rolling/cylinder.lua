@@ -15,7 +15,7 @@ return validation.problem {
   },
   together = true,
   time = { 1e-3, 5e-4, 2.5e-4 },
-  tolerance = 1e-6,
+  tolerance = 1e-7,
   why = "errors of order 2 and of order 3 that are as large",
   quick = { time = { 4e-3, 2e-3, 1e-3 }, tolerance = 1e-4 },
   solve = function(at)

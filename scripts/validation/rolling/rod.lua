@@ -11,8 +11,8 @@ return validation.problem {
     { name = "spin", unit = "rad/s", reference = J * l * math.cos(a) / (m * l ^ 2 / 3), source = "J l cos a/I" },
   },
   time = { 4e-3, 2e-3, 1e-3 },
-  tolerance = 1e-11,
-  noise = 1e-11,
+  tolerance = 1e-13,
+  noise = 1e-13,
   why = "the step ends at the impact, whose law is exact",
   quick = { time = { 1e-2, 5e-3, 2.5e-3 } },
   solve = function(at)

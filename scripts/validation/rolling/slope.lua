@@ -28,8 +28,8 @@ return validation.problem {
     { name = "r w, mu = 0.99", unit = "m/s", reference = turned, source = source },
   },
   time = { 4e-3, 2e-3, 1e-3 },
-  tolerance = 1e-9,
-  noise = 1e-9,
+  tolerance = 1e-11,
+  noise = 1e-11,
   why = "forces are constant, so that steps are exact but for the rotation of the four particles by large angles",
   quick = { time = { 2e-2, 1e-2, 5e-3 }, tolerance = 1e-6 },
   solve = function(at)

@@ -46,7 +46,7 @@ static bool are_apart(const hk_broad_phase *s, const uint32_t *e, const uint32_t
 static void try_edge(const task *t, size_t chunk, uint32_t edge, uint32_t triangle) {
   const hk_broad_phase *s = t->search;
   const uint32_t *e = s->lists->mesh.edge[edge], *v = s->lists->mesh.triangle[triangle];
-  if (shares(v, e) || all_held(s, v, e) || are_apart(s, e, v)) return;
+  if (shares(v, e) || all_held(s, v, e) || are_apart(s, e, v) || hk_features_left_out(s->lists, e, 2, v, 3)) return;
   hk_point corner[5] = {t->x + 3 * (size_t)e[0], t->x + 3 * (size_t)e[1], t->x + 3 * (size_t)v[0],
                         t->x + 3 * (size_t)v[1], t->x + 3 * (size_t)v[2]};
   if (!hk_segment_meets_triangle(corner[0], corner[1], corner[2], corner[3], corner[4])) return;

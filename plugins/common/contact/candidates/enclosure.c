@@ -130,13 +130,19 @@ static bool try_part(const search *s, const owned *point, size_t count, const so
   return true;
 }
 
+/* A particle on its own that the body holds. */
+static bool holds(const search *s, const solid *b, const owned *point, size_t count) {
+  return count == 1 && hk_solid_holds(&s->lists->joined, b->owner, &point->index, 1);
+}
+
 static void try_parts(const search *s, hk_enclosure *out) {
   for (size_t begin = 0, end; begin < s->mesh->points; begin = end) {
     uint32_t part = s->point[begin].owner;
     for (end = begin + 1; end < s->mesh->points && s->point[end].owner == part;) end++;
     if (end - begin == 1 && s->owner[part] == pinned) continue;
     for (size_t b = 0; b < s->solids; b++)
-      if (!hk_solids_apart(s->lists, s->solid[b].owner, s->owner[part]) &&
+      if (!hk_solids_apart(&s->lists->joined, s->solid[b].owner, s->owner[part]) &&
+          !holds(s, &s->solid[b], s->point + begin, end - begin) &&
           try_part(s, s->point + begin, end - begin, &s->solid[b], out))
         return;
   }

@@ -50,18 +50,25 @@ static bool are_held(const hk_broad_phase *s, const uint32_t v[4]) {
   return s->held[v[0]] && s->held[v[1]] && s->held[v[2]] && s->held[v[3]];
 }
 
+bool hk_features_left_out(const hk_surface_lists *l, const uint32_t *a, int of_a, const uint32_t *b, int of_b) {
+  return l->joined.is_held &&
+         (hk_solid_holds(&l->joined, l->solid[b[0]], a, of_a) || hk_solid_holds(&l->joined, l->solid[a[0]], b, of_b));
+}
+
 static void try_point(const output *o, uint32_t p, const uint32_t t[3]) {
   const hk_broad_phase *s = o->search;
   const uint32_t v[4] = {p, t[0], t[1], t[2]};
   double offset = hk_feature_radius(&s->lists->mesh, v, 1) + hk_feature_radius(&s->lists->mesh, t, 3);
-  if (!are_held(s, v) && hk_point_is_near(s, v, offset)) add_pair(o, HK_POINT_TRIANGLE, v, offset);
+  if (!are_held(s, v) && hk_point_is_near(s, v, offset) && !hk_features_left_out(s->lists, v, 1, t, 3))
+    add_pair(o, HK_POINT_TRIANGLE, v, offset);
 }
 
 static void try_edge(const output *o, const uint32_t e[2], const uint32_t f[2]) {
   const hk_broad_phase *s = o->search;
   const uint32_t v[4] = {e[0], e[1], f[0], f[1]};
   double offset = hk_feature_radius(&s->lists->mesh, e, 2) + hk_feature_radius(&s->lists->mesh, f, 2);
-  if (!are_held(s, v) && hk_edges_are_near(s, v, offset)) add_pair(o, HK_EDGE_EDGE, v, offset);
+  if (!are_held(s, v) && hk_edges_are_near(s, v, offset) && !hk_features_left_out(s->lists, e, 2, f, 2))
+    add_pair(o, HK_EDGE_EDGE, v, offset);
 }
 
 /* An item of a pair, with those of its features that come near the box of the other one. */
@@ -139,7 +146,7 @@ static void try_edges(const output *o, const member *a, const member *b) {
 
 bool hk_items_left_out(const hk_surface_lists *l, const hk_surface_item *a, const hk_surface_item *b) {
   uint32_t solid = l->solid[a->vertex[0]], other = l->solid[b->vertex[0]];
-  if (!hk_solids_apart(l, solid, other)) return false;
+  if (!hk_solids_apart(&l->joined, solid, other)) return false;
   for (int c = 1; c < 4; c++)
     if (l->solid[a->vertex[c]] != solid || l->solid[b->vertex[c]] != other) return false;
   return true;

@@ -13,8 +13,11 @@ hk_status hk_feature_pairs_find(hk_broad_phase *, const hk_host *, const hk_surf
 bool hk_point_is_near(const hk_broad_phase *, const uint32_t v[4], double offset);
 bool hk_edges_are_near(const hk_broad_phase *, const uint32_t v[4], double offset);
 
-/* Whether both are of one rigid body, which does not meet itself, or of two that a joint keeps from meeting. */
+/* Whether both are of one rigid body, which does not meet itself, or of two that are joined. */
 bool hk_items_left_out(const hk_surface_lists *, const hk_surface_item *, const hk_surface_item *);
+
+/* Whether one is of a rigid body that holds a particle of the other one. */
+bool hk_features_left_out(const hk_surface_lists *, const uint32_t *a, int of_a, const uint32_t *b, int of_b);
 
 /* A loop over pairs of items that adds the pairs of their features to rows of a gather. */
 typedef struct hk_pair_output {

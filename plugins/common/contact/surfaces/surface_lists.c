@@ -5,7 +5,6 @@
 #include "plugins/common/space/union_find.h"
 #include "plugins/kit/vector3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double welded = 1e-6; /* of the radius: what is nearer than that is one place */
@@ -35,9 +34,9 @@ static void release_scratch(builder *b) {
 }
 
 void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
-  void *memory[] = {l->point,  l->edge,  l->edge_faces, l->triangle,   l->part,
-                    l->radius, l->solid, l->apart,      l->in_triangle};
+  void *memory[] = {l->point, l->edge, l->edge_faces, l->triangle, l->part, l->radius, l->solid, l->in_triangle};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  hk_joined_bodies_free(&l->joined, host);
   *l = (hk_surface_lists){0};
 }
 
@@ -257,44 +256,6 @@ static void take_solids(builder *b) {
   }
 }
 
-static int by_bodies(const void *left, const void *right) {
-  const uint32_t *p = left, *q = right;
-  int c = p[0] == q[0];
-  return (p[c] > q[c]) - (p[c] < q[c]);
-}
-
-static void add_joined(builder *b, const hk_rider *r) {
-  const hk_model *m = b->view->model;
-  hk_surface_lists *l = b->lists;
-  for (uint32_t k = 0; k < r->joints; k++) {
-    size_t point = hk_model_find(m, r->joined + k);
-    const hk_rider *other = point < m->n ? hk_model_rider(m, point) : NULL;
-    if (!other || other->carrier[0] == r->carrier[0]) continue;
-    uint32_t p = r->carrier[0], q = other->carrier[0], *pair = l->apart[l->aparts++];
-    pair[0] = p < q ? p : q, pair[1] = p < q ? q : p;
-  }
-}
-
-/* One point of a joint has the ids of all of them. A pair of bodies is in it as often as it is named. */
-static hk_status take_joined(builder *b) {
-  const hk_model *m = b->view->model;
-  hk_surface_lists *l = b->lists;
-  size_t count = 0;
-  for (size_t k = 0; k < m->riders; k++) count += m->rider[k].joints;
-  if (count == 0) return HK_OK;
-  l->apart = b->host->allocate(b->host, count * sizeof *l->apart);
-  if (!l->apart) return b->host->fail(b->host, HK_NO_MEMORY, "no memory for %zu points of joints", count);
-  for (size_t k = 0; k < m->riders; k++) add_joined(b, &m->rider[k]);
-  qsort(l->apart, l->aparts, sizeof *l->apart, by_bodies);
-  return HK_OK;
-}
-
-bool hk_solids_apart(const hk_surface_lists *l, uint32_t solid, uint32_t other) {
-  uint32_t pair[2] = {solid < other ? solid : other, solid < other ? other : solid};
-  if (solid == UINT32_MAX || other == UINT32_MAX) return false;
-  return solid == other || (l->aparts && bsearch(pair, l->apart, l->aparts, sizeof *l->apart, by_bodies));
-}
-
 /* ---- all ---- */
 
 static hk_status build(builder *b) {
@@ -309,7 +270,7 @@ static hk_status build(builder *b) {
   number_parts(b);
   find_radii(b);
   take_solids(b);
-  return take_joined(b);
+  return hk_joined_bodies_find(&b->lists->joined, b->host, b->view, b->request);
 }
 
 hk_status hk_surface_lists_build(hk_surface_lists *lists, const hk_host *host, const hk_view *view,

@@ -2,15 +2,14 @@
 #ifndef HK_SURFACE_LISTS_H
 #define HK_SURFACE_LISTS_H
 
-#include "plugins/common/contact/surfaces/surfaces.h"
+#include "plugins/common/contact/surfaces/joined_bodies.h"
 
 typedef struct hk_surface_lists {
   hk_surface_mesh mesh; /* of the arrays below; `number` is left to the caller */
   uint32_t *point, (*edge)[2], (*edge_faces)[2], (*triangle)[3], *part;
   double *radius;
-  uint32_t *solid;      /* n: the first carrier of the rigid body whose surface it is of; UINT32_MAX: none */
-  uint32_t (*apart)[2]; /* such pairs of bodies that do not meet, as a joint joins them: the lower first, rising */
-  size_t aparts;
+  uint32_t *solid; /* n: the first carrier of the rigid body whose surface it is of; UINT32_MAX: none */
+  hk_joined_bodies joined;
   size_t surface_edges; /* edges of triangles, the first ones of the mesh; those of strands follow. Both are in */
   size_t strand_edges;  /* the order of their particles, the lower one first */
   bool *in_triangle;    /* n: a particle of a triangle, be it left out or not */
@@ -21,9 +20,6 @@ typedef struct hk_surface_lists {
 hk_status hk_surface_lists_build(hk_surface_lists *, const hk_host *, const hk_view *, const hk_surface_request *,
                                  const bool *left);
 void hk_surface_lists_free(hk_surface_lists *, const hk_host *);
-
-/* Whether bodies, as in `solid`, do not meet: they are the same one, or a joint joins them. */
-bool hk_solids_apart(const hk_surface_lists *, uint32_t solid, uint32_t other);
 
 /* m: the largest radius of the particles of a feature. */
 static inline double hk_feature_radius(const hk_surface_mesh *m, const uint32_t *vertex, int count) {

@@ -1,5 +1,5 @@
-/* Bodies that a joint joins do not meet each other, whatever its kind and the plugin of contact, unless the joint says
- * so; what they would meet otherwise, they meet. */
+/* Bodies that a joint joins, or constraints hold at one place, do not meet each other, whatever the kind and the plugin
+ * of contact, unless the joint says so; what they would meet otherwise, they meet. */
 #include "tests/support/command.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -31,7 +32,17 @@ static const char scene[] =
     "if kind == 'ball' or kind == 'distance' or kind == 'fixed' then it.axis = nil end\n"
     "if kind == 'distance' then it.to = {0.5, 0, 2} end\n"
     "if meet ~= '' then it.contact = meet == 'yes' end\n"
-    "scene:joint(it)\n"
+    "local function ends(on_a, on_b) return { { a:point { on_a, 0, 0 }, b:point { on_b, 0, 0 } } } end\n"
+    "if kind == 'point' then it.kind, it.b, it.axis = 'ball', a:point { 0.5 + gap / 2, 0, 0 }, nil end\n"
+    "if kind == 'line' then it.kind, it.b, it.at, it.axis = 'distance', a:point { 0, 0, 0 }, { 1.5, 0, 2 }, nil end\n"
+    "if kind == 'weld' then scene:constraint('weld', { edges = ends(0.5 + gap / 2, -0.5 - gap / 2) })\n"
+    "elseif kind == 'bars' then scene:constraint('bars', { edges = ends(0.5, -0.5 - gap / 2) })\n"
+    "elseif kind == 'long' then scene:constraint('bars', { edges = ends(0, 0) })\n"
+    "elseif kind == 'cables' then scene:constraint('cables', { edges = ends(0.5, -0.5 - gap / 2), length = 1 })\n"
+    "elseif kind == 'shared' then\n"
+    "  local p = scene:particle { position = it.at, mass = 1 }\n"
+    "  scene:joint { kind = 'ball', a = a, b = p } scene:joint { kind = 'ball', a = b, b = p }\n"
+    "else scene:joint(it) end\n"
     "local free = ball and scene:rigid { shape = 'sphere', radius = 0.1, mass = 10, position = {0.9, 0, 1.79} }\n"
     "if ball then free:surface({{0, 0, 0}}, {radius = 0.1}) end\n"
     "scene:force('gravity', { g = {0, 0, -9.81} })\n"
@@ -76,6 +87,69 @@ static void what_a_joint_joins_moves_as_without_contact(void **state) {
     }
 }
 
+/* Whatever constraint holds points of two bodies nearer than the thickness, here 1 mm: a joint with a point, a weld, a
+ * bar of half of it, a particle that both hold, whose contact with them is left out with it. A joint with a point may
+ * hold it at any distance. */
+static void what_constraints_join_moves_as_without_contact(void **state) {
+  (void)state;
+  const char *kind[] = {"point", "line", "weld", "bars", "shared"};
+  for (size_t k = 0; k < 5; k++) {
+    char options[128];
+    double wanted[2];
+    snprintf(options, sizeof options, "kind=%s law=none", kind[k]);
+    wanted[0] = measure(options, "height"), wanted[1] = test_json(r.out, "tilt");
+    snprintf(options, sizeof options, "kind=%s", kind[k]);
+    near(measure(options, "height"), wanted[0], 1e-11, options);
+    near(test_json(r.out, "tilt"), wanted[1], 1e-11, options);
+    assert_true(test_json(r.out, "intersections") == 0);
+  }
+}
+
+/* Bodies that start within each other are refused, unless they do not meet. */
+static void what_is_held_far_or_not_held_meets(void **state) {
+  (void)state;
+  const char *options[] = {"kind=long gap=-0.1", "kind=cables gap=-0.1", "kind=point gap=-0.1 meet=yes"};
+  for (size_t k = 0; k < 3; k++) {
+    run(options[k]);
+    if (r.code != 1 || !strstr(r.err, "intersect at the start")) fail_msg("%s: %d: %s", options[k], r.code, r.err);
+  }
+}
+
+/* A box hangs from a thread whose end is `within` its top face; a ball that flies into the box beside the thread's end
+ * meets it. */
+static const char hung[] =
+    "local within, law, ball = param('within', 0, ''), param('law', 'contact', ''), param('ball', false, '')\n"
+    "local scene = hooke.scene { duration = 0.1, fps = 50, dt = 1e-3, integrator = 'leapfrog' }\n"
+    "local box = scene:rigid { shape = 'box', size = {0.1, 0.1, 0.1}, mass = 1, position = {0, 0, within - 0.05}, "
+    "spin = {3, 0, 0} }\n"
+    "local thread = scene:strand { n = 5, from = {0, 0, 0.4}, to = {0, 0, 0}, mass = 0.1 }\n"
+    "scene:pin { thread:at(1) }\n"
+    "scene:force('springs', { edges = thread:structural(), k = 1e3 })\n"
+    "scene:joint { kind = 'ball', a = box, b = thread:at(5) }\n"
+    "scene:force('gravity', { g = {0, 0, -9.81} })\n"
+    "if law ~= 'none' then box:surface() scene:corrector(law, { thickness = 1e-3, radius = 1e-3 }) end\n"
+    "if ball then scene:particle { position = {0.2, 0, -0.05}, velocity = {-2, 0, 0}, mass = 1 } end\n"
+    "scene:measure('height', function(s) return box:position(s)[3] end)\n"
+    "scene:measure('speed', function(s) return box:velocity(s)[1] end)\n"
+    "return scene\n";
+
+static double hang(const char *options, const char *name) {
+  char command[256];
+  test_write("hung.lua", hung);
+  snprintf(command, sizeof command, "run hung.lua --json --quiet --no-output --no-check %s", options);
+  test_hooke(&r, NULL, command);
+  if (r.code != 0) fail_msg("%s: exit %d: %s%s", options, r.code, r.err, r.out);
+  return test_json(r.out, name);
+}
+
+static void a_body_and_a_particle_that_it_holds_do_not_meet(void **state) {
+  (void)state;
+  double wanted = hang("law=none", "height");
+  near(hang("", "height"), wanted, 1e-11, "at the face");
+  near(hang("within=0.01", "height") - 0.01, hang("within=0.01 law=none", "height") - 0.01, 1e-11, "within");
+  assert_true(hang("ball=true", "speed") < -0.1);
+}
+
 /* The joint's plane faces cannot turn against each other, but for what the gap of the touching edges leaves. */
 static void with_contact_its_bodies_meet(void **state) {
   (void)state;
@@ -103,7 +177,7 @@ static void what_contact_of_a_joint_may_be(void **state) {
   (void)state;
 #define BODY "local s = hooke.scene { duration = 1 } local b = s:rigid { shape = 'sphere', radius = 1, mass = 1 }\n"
   test_refused(BODY "s:joint { kind = 'ball', a = b, at = {0, 0, 1}, contact = true } return s", "", 1,
-               "it is for two bodies, and b is none");
+               "there is no b: leave it out");
   test_refused(BODY "s:joint { kind = 'ball', a = b, b = s:rigid { shape = 'sphere', radius = 1, mass = 1, position = "
                     "{0, 0, 2} }, at = {0, 0, 1}, contact = 'yes' } return s",
                "", 1, "contact: expected true or false, got a text");
@@ -112,6 +186,9 @@ static void what_contact_of_a_joint_may_be(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_a_joint_joins_moves_as_without_contact),
+      cmocka_unit_test(what_constraints_join_moves_as_without_contact),
+      cmocka_unit_test(what_is_held_far_or_not_held_meets),
+      cmocka_unit_test(a_body_and_a_particle_that_it_holds_do_not_meet),
       cmocka_unit_test(with_contact_its_bodies_meet),
       cmocka_unit_test(others_are_met),
       cmocka_unit_test(the_barrier_leaves_them_out),
