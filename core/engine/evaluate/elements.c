@@ -78,7 +78,7 @@ static size_t list_joins(const hk_instances *constraints, const hk_tuples **into
     const hk_instance *instance = constraints->item[k];
     for (const hk_param *p = instance->plugin->params; p && p->name; p++) {
       if (!p->edges) continue;
-      if (into) into[count] = hk_param_in(p, instance->self);
+      if (into) into[count] = hk_joined_in(instance->plugin->constraint, p, instance->self);
       count++;
     }
   }
