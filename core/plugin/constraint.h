@@ -39,7 +39,8 @@ typedef struct hk_constraint {
    * each time before `update`, which is called again, with others, as long as it changes something. They cost an
    * evaluation of the forces. NULL, or NULL as the answer: they are not wanted. */
   double *(*loads)(void *self);
-  const hk_tuples *joins; /* HK_AT: pairs that are joined at present; NULL: all that lists of edges name. For pictures */
+  const hk_tuples
+      *joins; /* HK_AT: pairs that are joined at present; NULL: all that lists of edges name. For pictures */
 } hk_constraint;
 
 /* ---- "bodies/1", which the host serves itself -------------------------------------------------------------------- */
