@@ -35,6 +35,12 @@ typedef struct hk_constraint {
   /* Of one-sided equations, each for `count` equations, once per topology: the coefficient of restitution, 0 to 1, the
    * speed of g after an impact in parts of that before, and the speed, m/s, below which it is 0. NULL: 0. */
   void (*restitution)(void *self, double *part, double *least);
+  /* For equations that break by what they bear: where the multipliers at the start of a step go, `count` numbers, N,
+   * each time before `update`, which is called again, with others, as long as it changes something. They cost an
+   * evaluation of the forces. NULL, or NULL as the answer: they are not wanted. */
+  double *(*loads)(void *self);
+  const hk_tuples
+      *joins; /* HK_AT: pairs that are joined at present; NULL: all that lists of edges name. For pictures */
 } hk_constraint;
 
 /* ---- "bodies/1", which the host serves itself -------------------------------------------------------------------- */

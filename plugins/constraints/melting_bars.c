@@ -1,9 +1,11 @@
 /* Rigid bars that are there as long as they are cold: |x_j - x_i| = L until the mean of a channel over both ends, a
  * temperature or an enthalpy, has come to `melts`; from the next step on there is no bar, and there never is again
  * (Terzopoulos, Platt, Fleischer 1989, Heating and melting deformable models, section 4, in the limit of springs whose
- * stiffness has no bound: nothing of a rigid bar can soften). The equation and its derivatives are in
- * plugins/common/lengths. A bar does no work, so that its end takes and gives no energy; when it ends is known to a
- * step. */
+ * stiffness has no bound: nothing of a rigid bar can soften). A bar is gone, too, when its tension, the multiplier of
+ * its equation at the start of a step, is above `breaking`. Of several such bars that with the largest tension in parts
+ * of its limit breaks first, and what the others bear then is found anew, so that a chain breaks at one link. The
+ * equation and its derivatives are in plugins/common/lengths. A bar does no work, so that its end takes and gives no
+ * energy; when it ends is known to a step. Impulses of contact are no tension. */
 #include "plugins/common/channels/find_channel.h"
 #include "plugins/common/lengths/lengths.h"
 
@@ -13,7 +15,10 @@ typedef struct melting_bars {
   const char *name;
   const hk_channel *channel;
   double melts;
-  double *gone; /* of all: 0 or 1 */
+  hk_per_tuple breaking;
+  double *gone;     /* of all: 0 or 1 */
+  uint32_t *listed; /* of those that are left: their places in `all` */
+  double *tension;  /* of those, N */
 } melting_bars;
 
 static const hk_param params[] = {
@@ -24,6 +29,8 @@ static const hk_param params[] = {
      .flags = HK_REQUIRED},
     {"melts", "", "the channel's value, mean of both ends, at which a bar is gone",
      .number = HK_AT(melting_bars, melts), .flags = HK_REQUIRED},
+    {"breaking", "N", "tension above which a bar is gone; left out: never", .per_tuple = HK_AT(melting_bars, breaking),
+     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL, .list = "edges"},
     {0},
 };
 
@@ -45,13 +52,34 @@ static bool melt(melting_bars *b, const hk_view *view) {
   return any;
 }
 
+/* Breaks the bar that is loaded most, if that is too much. */
+static bool break_one(melting_bars *b) {
+  double most = 1;
+  size_t which = b->all.edges.count;
+  for (size_t k = 0; b->breaking.count && k < b->solid.edges.count; k++) {
+    double load = b->tension[k] / hk_tuple_value(&b->breaking, b->listed[k]);
+    if (load > most) most = load, which = b->listed[k];
+  }
+  if (which == b->all.edges.count) return false;
+  b->gone[which] = 1;
+  return true;
+}
+
+static size_t count_left(const melting_bars *b) {
+  size_t count = 0;
+  for (size_t e = 0; e < b->all.edges.count; e++) count += !(b->gone[e] > 0);
+  return count;
+}
+
 static void keep(melting_bars *b) {
   uint32_t *index = (uint32_t *)(uintptr_t)b->solid.edges.index; /* its own memory */
   size_t kept = 0;
   for (size_t e = 0; e < b->all.edges.count; e++) {
     if (b->gone[e] > 0) continue;
     for (int end = 0; end < 2; end++) index[2 * kept + (size_t)end] = hk_tuple(&b->all.edges, e)[end];
-    b->solid.length.value[kept++] = hk_tuple_value(&b->all.length, e);
+    b->solid.length.value[kept] = hk_tuple_value(&b->all.length, e);
+    b->tension[kept] = 0;
+    b->listed[kept++] = (uint32_t)e;
   }
   b->solid.edges.count = kept;
 }
@@ -66,7 +94,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status != HK_OK) return status;
   b->solid.edges = (hk_tuples){0, 2, host->allocate(host, n * sizeof(uint32_t[2]))};
   b->solid.length = (hk_per_tuple){n, host->allocate(host, n * sizeof(double))};
-  if (!b->solid.edges.index || !b->solid.length.value)
+  b->listed = host->allocate(host, n * sizeof *b->listed);
+  b->tension = host->allocate(host, n * sizeof *b->tension);
+  if (!b->solid.edges.index || !b->solid.length.value || !b->listed || !b->tension)
     return host->fail(host, HK_NO_MEMORY, "no memory for %zu bars", b->all.edges.count);
   melt(b, view);
   keep(b);
@@ -80,9 +110,16 @@ static hk_status topology(void *self, const hk_view *view) {
 }
 
 static hk_status update(void *self, const hk_view *view, bool *changed) {
-  *changed = melt(self, view);
-  if (*changed) keep(self);
+  melting_bars *b = self;
+  const bool molten = melt(b, view);
+  *changed = molten || break_one(b) || count_left(b) != b->solid.edges.count; /* also by a checkpoint */
+  if (*changed) keep(b);
   return HK_OK;
+}
+
+static double *loads(void *self) {
+  const melting_bars *b = self;
+  return b->breaking.count ? b->tension : NULL;
 }
 
 static const hk_constraint constraint = {.size = sizeof(hk_constraint),
@@ -91,13 +128,16 @@ static const hk_constraint constraint = {.size = sizeof(hk_constraint),
                                          .value = hk_lengths_value,
                                          .jacobian = hk_lengths_jacobian,
                                          .curvature = hk_lengths_curvature,
-                                         .update = update};
+                                         .update = update,
+                                         .loads = loads,
+                                         .joins = HK_AT(melting_bars, solid.edges)};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_CONSTRAINT,
     .name = "melting_bars",
-    .summary = "rigid bars that are gone where a channel has come to a value, |x_j - x_i| = L until then",
+    .summary =
+        "rigid bars that are gone where a channel has come to a value, or that break, |x_j - x_i| = L until then",
     .reference = "Terzopoulos, Platt, Fleischer 1989, Heating and melting deformable models (from goop to glop); "
                  "equations as of bars",
     .instance_size = sizeof(melting_bars),

@@ -96,6 +96,11 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
   return HK_OK;
 }
 
+static void lost(const void *self, hk_lost_elements *out) {
+  const melting_membrane *m = self;
+  *out = (hk_lost_elements){m->given.triangles, m->variable + GONE, VARIABLES};
+}
+
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 /* Those that act are in the order of the list, in the sheet as here. */
@@ -156,7 +161,7 @@ static const hk_force force = {
     .energy = hk_membrane_potential,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_membrane_name_blocks, .jacobian = hk_membrane_add_blocks),
                         HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_PARTS_FACET(.touch = hk_membrane_touch),
-                        HK_INTERNAL_FACET(.evolve = evolve)),
+                        HK_INTERNAL_FACET(.evolve = evolve, .lost = lost)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

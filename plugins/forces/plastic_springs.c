@@ -95,6 +95,11 @@ static hk_status evolve(void *self, const hk_view *view, double h, hk_evolution 
   return HK_OK;
 }
 
+static void lost(const void *self, hk_lost_elements *out) {
+  const plastic_springs *s = self;
+  *out = (hk_lost_elements){s->laws.edges, s->variable + BROKEN, VARIABLES};
+}
+
 /* ---- tables ---- */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -120,7 +125,7 @@ static const hk_force force = {
     .energy = hk_edge_laws_energy,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_edge_laws_pattern, .jacobian = hk_edge_laws_jacobian),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_edge_laws_bound),
-                        HK_PARTS_FACET(.touch = hk_edge_laws_touch), HK_INTERNAL_FACET(.evolve = evolve)),
+                        HK_PARTS_FACET(.touch = hk_edge_laws_touch), HK_INTERNAL_FACET(.evolve = evolve, .lost = lost)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -35,4 +35,36 @@ static inline void melting_needs_its_channel(test_engine *e, hk_plugin_spec *spe
   assert_non_null(strstr(e->error.text, "warmth"));
 }
 
+enum { MELTING_SIDE = 5 }; /* particles along a side of a sheet */
+
+static inline uint32_t melting_sheet_at(uint32_t i, uint32_t j) { return MELTING_SIDE * i + j + 1; } /* its id */
+
+/* A square sheet of triangles of 0.1 m in the plane z = 0, a surface of the scene, with the edges of scene:grid; column
+ * i is at 230 + 10 i K. It is all of the particles so far. */
+static inline hk_plugin_spec *melting_sheet(test_engine *e, const char *force, double softens, double range) {
+  uint32_t triangle[2 * MELTING_SIDE * MELTING_SIDE][3], edge[2 * MELTING_SIDE * MELTING_SIDE][2], t = 0, g = 0;
+  melting_channel(e, 0);
+  for (uint32_t i = 0; i < MELTING_SIDE; i++)
+    for (uint32_t j = 0; j < MELTING_SIDE; j++) {
+      const double T = 230 + 10 * i;
+      uint32_t id = test_particle(e, 0.1 * i, 0.1 * j, 0, 0.01), a = melting_sheet_at(i - 1, j - 1),
+               b = a + MELTING_SIDE;
+      assert_int_equal(hk_scene_set_channel(e->scene, "temperature", id, &T, 1, &e->error), HK_OK);
+      if (i > 0) edge[g][0] = id - MELTING_SIDE, edge[g++][1] = id;
+      if (j > 0) edge[g][0] = id - 1, edge[g++][1] = id;
+      if (i == 0 || j == 0) continue;
+      memcpy(triangle[t++], (uint32_t[]){a, b, id}, sizeof *triangle);
+      memcpy(triangle[t++], (uint32_t[]){a, id, a + 1}, sizeof *triangle);
+    }
+  assert_int_equal(hk_scene_add_triangles(e->scene, t, (const uint32_t(*)[3])triangle, &e->error), HK_OK);
+  assert_int_equal(hk_scene_add_edges(e->scene, g, (const uint32_t(*)[2])edge, &e->error), HK_OK);
+  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, force);
+  if (strstr(force, "springs"))
+    test_edges(e, spec, (const uint32_t(*)[2])edge, g), test_number(e, spec, "k", 40);
+  else
+    test_tuples(e, spec, "triangles", 3, triangle[0], t), test_number(e, spec, "stiffness", 40);
+  melting_follows(e, spec, softens, range);
+  return spec;
+}
+
 #endif

@@ -77,8 +77,11 @@ static size_t list_joins(const hk_instances *constraints, bool kept, const hk_tu
   for (size_t k = 0; k < constraints->count; k++) {
     const hk_instance *instance = constraints->item[k];
     if (kept != !!(instance->plugin->constraint->flags & (HK_DISTANCES | HK_DIFFERENCES))) continue;
-    for (const hk_param *p = instance->plugin->params; p && p->name; count += p->edges != 0, p++)
-      if (p->edges && into) into[count] = hk_param_in(p, instance->self);
+    for (const hk_param *p = instance->plugin->params; p && p->name; p++) {
+      if (!p->edges) continue;
+      if (into) into[count] = hk_joined_in(instance->plugin->constraint, p, instance->self);
+      count++;
+    }
   }
   return count;
 }

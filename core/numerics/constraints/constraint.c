@@ -128,30 +128,6 @@ hk_status hk_constraints_topology(hk_dynamics *d) {
   return status == HK_OK ? hk_constraints_review(d) : status;
 }
 
-static hk_status update_one(hk_dynamics *d, const hk_instance *instance, bool *any) {
-  bool changed = false;
-  if (!instance->plugin->constraint->update) return HK_OK;
-  hk_view view = hk_instance_view(instance, &d->state->view);
-  const hk_instance *outer = hk_enter(instance);
-  hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
-  hk_leave(instance, outer);
-  *any |= changed;
-  return hk_constraint_failed(d, instance, view.t, status);
-}
-
-hk_status hk_constraints_update(hk_dynamics *d) {
-  bool any = false;
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++)
-    status = update_one(d, d->plugins->kind[HK_CONSTRAINT].item[k], &any);
-  if (status != HK_OK) return status;
-  hk_release_begin(d->constraints);
-  if (!any) return hk_constraint_find_contacts(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
-  d->constraints->jumped = true;
-  if (d->blocks_changed) d->blocks_changed(d, true);
-  return hk_constraints_topology(d);
-}
-
 bool hk_constraints_jumped(hk_dynamics *d) {
   bool jumped = d->constraints && d->constraints->jumped;
   if (jumped) d->constraints->jumped = false;

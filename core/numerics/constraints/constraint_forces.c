@@ -146,6 +146,73 @@ hk_status hk_constraint_multipliers(hk_dynamics *d, double *lambda) {
   return status;
 }
 
+/* ---- the start of a step: constraints that change, some of them by what they bear ---- */
+
+static hk_status update_one(hk_dynamics *d, const hk_instance *instance, bool *any) {
+  bool changed = false;
+  if (!instance->plugin->constraint->update) return HK_OK;
+  hk_view view = hk_instance_view(instance, &d->state->view);
+  const hk_instance *outer = hk_enter(instance);
+  hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
+  hk_leave(instance, outer);
+  *any |= changed;
+  return hk_constraint_failed(d, instance, view.t, status);
+}
+
+/* Where constraint k wants its multipliers; NULL: it does not. */
+static double *loads_of(const hk_dynamics *d, size_t k) {
+  const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+  if (!instance->plugin->constraint->loads) return NULL;
+  const hk_instance *outer = hk_enter(instance);
+  double *into = instance->plugin->constraint->loads(instance->self);
+  hk_leave(instance, outer);
+  return into;
+}
+
+/* Tells those that ask what their equations bear; *any: there are some. */
+static hk_status tell_loads(hk_dynamics *d, bool *any) {
+  hk_constraints *c = d->constraints;
+  size_t count = d->plugins->kind[HK_CONSTRAINT].count, begin, end;
+  *any = false;
+  for (size_t k = 0; k < count; k++) *any |= loads_of(d, k) != NULL;
+  if (!*any || c->equations == 0) return HK_OK;
+  double *lambda = malloc(c->equations * sizeof *lambda);
+  if (!lambda) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the loads of %zu equations", c->equations);
+  hk_status status = hk_constraint_multipliers(d, lambda);
+  for (size_t k = 0; k < count && status == HK_OK; k++) {
+    double *into = loads_of(d, k);
+    hk_constraint_range(d, k, &begin, &end);
+    if (into) memcpy(into, lambda + begin, (end - begin) * sizeof *into);
+  }
+  free(lambda);
+  return status;
+}
+
+static hk_status rebuild(hk_dynamics *d) {
+  d->constraints->jumped = true;
+  if (d->blocks_changed) d->blocks_changed(d, true);
+  return hk_constraints_topology(d);
+}
+
+hk_status hk_constraints_update(hk_dynamics *d) {
+  bool any = true, changed = false, loaded = true;
+  hk_status status = HK_OK;
+  while (any && loaded && status == HK_OK) {
+    any = false;
+    status = tell_loads(d, &loaded);
+    for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++)
+      status = update_one(d, d->plugins->kind[HK_CONSTRAINT].item[k], &any);
+    changed |= any;
+    if (any && loaded && status == HK_OK) status = rebuild(d);
+  }
+  if (status != HK_OK) return status;
+  hk_release_begin(d->constraints);
+  if (!changed) return hk_constraint_find_contacts(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
+  return loaded ? HK_OK : rebuild(d);
+}
+
+/* ---- on one particle ---- */
+
 void hk_constraint_force_on(const hk_dynamics *d, size_t k, const double *lambda, size_t particle, double F[3]) {
   const hk_constraints *c = d->constraints;
   memset(F, 0, 3 * sizeof *F);

@@ -1,4 +1,4 @@
-/* Births and deaths that sources ask for. */
+/* Births and deaths that sources ask for, and what leaves the surfaces of a scene. */
 #ifndef HK_POPULATION_H
 #define HK_POPULATION_H
 
@@ -46,6 +46,7 @@ struct hk_population_change {
   bool *dies;    /* n, whether the particle dies; all false but between requests and their application */
   uint32_t *map; /* n, from old indices to new ones, after the application */
   size_t room;   /* of `dies` and `map` */
+  size_t lost;   /* elements of forces that were gone when surfaces were last looked at (torn_surfaces.c) */
 };
 
 hk_population_change *hk_population_open(hk_state *); /* NULL: no memory */
@@ -58,6 +59,17 @@ hk_status hk_population_apply(hk_population_change *, hk_error *error);
 /* ---- sources.c ---- */
 
 hk_status hk_sources_emit(hk_loop *, double h, unsigned when); /* 0: before a step; HK_AFTER_STEPS: after it */
+
+/* ---- torn_surfaces.c: elements that are gone (facets/internal.h) leave the scene's edges and triangles ---- */
+
+bool hk_surfaces_may_tear(const hk_loop *);
+/* Takes them out of the state, and tells the plugins. *torn: something has left. */
+hk_status hk_surfaces_tear(hk_loop *, bool *torn);
+/* The same after a checkpoint was read: forces that lose elements also hear of what they have kept of them. */
+hk_status hk_surfaces_resume(hk_loop *);
+/* The loop's `emit`: births and deaths, and then what has torn since. The energy that goes with it, that of bending
+ * perhaps, is dissipated. */
+hk_status hk_emit_and_tear(hk_loop *, double h, unsigned when);
 
 /* ---- newborns.c ---- */
 

@@ -20,6 +20,13 @@ typedef struct hk_evolution {
   bool pattern_changed; /* the blocks (facets/implicit.h) differ from those before */
 } hk_evolution;
 
+/* Edges or triangles, k of which is gone for ever where gone[k * stride] > 0. */
+typedef struct hk_lost_elements {
+  hk_tuples node;
+  const double *gone;
+  size_t stride;
+} hk_lost_elements;
+
 typedef struct hk_internal_facet {
   size_t size;
   /* Moves the internal variables to the end of an accepted step of h s, whose state is `view`, after all that corrects
@@ -28,6 +35,10 @@ typedef struct hk_internal_facet {
    * counts what is dissipated: the energy of the scene falls by it, and no work was done. The force needs an `energy`.
    */
   hk_status (*evolve)(void *self, const hk_view *view, double h, hk_evolution *e);
+  /* Asked after every step and at the start. What is gone leaves the scene's surface (hk_model.triangles and edges), of
+   * which pictures, contact and recordings are made: the edge or triangle itself, triangles of which a side is
+   * gone, and edges that only held such triangles together. NULL: nothing ever is gone. */
+  void (*lost)(const void *self, hk_lost_elements *out);
 } hk_internal_facet;
 
 #endif

@@ -54,10 +54,19 @@ const void *hk_install_asked_solvers(hk_dynamics *d, const hk_plugin_spec *scene
 const void *hk_install_bodies(hk_dynamics *d) { return hk_bodies_table(d); }
 
 hk_status hk_install_sources(hk_loop *loop) {
-  if (loop->plugins->kind[HK_SOURCE].count == 0) return HK_OK;
+  const bool tears = hk_surfaces_may_tear(loop);
+  if (loop->plugins->kind[HK_SOURCE].count == 0 && !tears) return HK_OK;
   loop->population = hk_population_open(loop->state);
-  loop->emit = hk_sources_emit;
+  loop->emit = tears ? hk_emit_and_tear : hk_sources_emit;
   return loop->population ? HK_OK : hk_error_set(loop->error, HK_NO_MEMORY, "no memory for births and deaths");
+}
+
+hk_status hk_install_losses(hk_loop *loop, bool resumed) {
+  hk_dynamics *d = loop->dynamics;
+  bool any;
+  hk_status status = HK_OK;
+  if (loop->emit == hk_emit_and_tear) status = resumed ? hk_surfaces_resume(loop) : hk_surfaces_tear(loop, &any);
+  return status == HK_OK && resumed && d->constrain ? d->constrain->update(d) : status;
 }
 
 void hk_install_close(hk_dynamics *d, hk_loop *loop) {

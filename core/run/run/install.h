@@ -20,6 +20,9 @@ const void *hk_install_asked_solvers(hk_dynamics *, const hk_plugin_spec *scene)
 const void *hk_install_bodies(hk_dynamics *);
 /* Births and deaths, in a scene with sources. */
 hk_status hk_install_sources(hk_loop *);
+/* What has molten or broken at the start or in a checkpoint, before the first frame: it leaves surfaces, and equations.
+ */
+hk_status hk_install_losses(hk_loop *, bool resumed);
 /* Frees all of it; the parts may be zero. */
 void hk_install_close(hk_dynamics *, hk_loop *);
 

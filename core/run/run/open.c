@@ -176,6 +176,7 @@ static hk_status start(hk_run *run) {
   if (status != HK_OK) return status;
   if (run->options.resume) hk_folder_go_on(run->folder, run->record.steps);
   status = hk_dynamics_begin(&run->dynamics);
+  if (status == HK_OK) status = hk_install_losses(&run->loop, run->resumed);
   if (status == HK_OK) status = hk_run_impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_forces_settle(&run->dynamics);
   if (status == HK_OK) status = hk_install_chosen_solver(&run->dynamics);

@@ -96,6 +96,11 @@ static hk_status no_area(const hk_bending *b, const hk_view *view, size_t k) {
 hk_status hk_bending_create(hk_bending *b, const hk_view *view, const hk_bending_params *given) {
   hk_status status = find(b, view, given);
   if (status == HK_OK) status = reserve(b, view->host);
+  b->triangles = view->model->triangles.count;
+  if (status == HK_OK && !given->triangles.count && !given->hinges.count) {
+    b->torn = view->host->allocate(view->host, b->count * sizeof *b->torn);
+    if (!b->torn) status = view->host->fail(view->host, HK_NO_MEMORY, "no memory for %zu hinges", b->count);
+  }
   for (size_t k = 0; k < b->count && status == HK_OK; k++)
     if (!measure(b, view, given, k)) status = no_area(b, view, k);
   for (size_t k = 0; k < b->count && status == HK_OK; k++)
@@ -103,24 +108,50 @@ hk_status hk_bending_create(hk_bending *b, const hk_view *view, const hk_bending
   return status == HK_OK ? hk_bending_topology(b, view) : status;
 }
 
+/* The members of hinge k as indices; false: one of them is dead or does not act. */
+static bool place(const hk_bending *b, const hk_view *view, size_t k, uint32_t member[4]) {
+  bool alive = true;
+  for (size_t m = 0; m < 4; m++) {
+    size_t i = hk_model_find(view->model, b->id[k][m]);
+    alive = alive && i < view->n && (!view->is_active || view->is_active[i]);
+    member[m] = (uint32_t)i;
+  }
+  return alive;
+}
+
+/* Those that the scene's triangles have no more. The others are in the order of the start. */
+static hk_status mark_torn(hk_bending *b, const hk_view *view) {
+  hk_hinge_list list = {0};
+  uint32_t member[4];
+  size_t next = 0;
+  if (!b->torn || view->model->triangles.count == b->triangles) return HK_OK;
+  b->triangles = view->model->triangles.count;
+  hk_status status = hk_hinge_list_find(&list, view, &view->model->triangles);
+  for (size_t k = 0; k < b->count && status == HK_OK; k++) {
+    bool there =
+        place(b, view, k, member) && next < list.count && memcmp(member, list.member[next], sizeof member) == 0;
+    b->torn[k] = !there;
+    next += there;
+  }
+  view->host->release(view->host, list.member);
+  return status;
+}
+
 hk_status hk_bending_topology(void *self, const hk_view *view) {
   hk_bending *b = self;
   hk_elements *a = &b->element.acting;
   uint32_t *index = (uint32_t *)(uintptr_t)a->node.index;
   size_t kept = 0;
+  hk_status status = mark_torn(b, view);
+  if (status != HK_OK) return status;
   for (size_t k = 0; k < b->count; k++) {
-    bool alive = true;
-    for (size_t m = 0; m < 4; m++) {
-      size_t i = hk_model_find(view->model, b->id[k][m]);
-      alive = alive && i < view->n && (!view->is_active || view->is_active[i]);
-      index[4 * kept + m] = (uint32_t)i;
-    }
+    bool alive = place(b, view, k, index + 4 * kept) && !(b->torn && b->torn[k]);
     if (!alive) continue;
     b->number[kept] = (uint32_t)k;
     a->stiffness.value[kept] = b->stiffness[k];
     a->damping.value[kept++] = b->damping[k];
   }
   a->node.count = a->stiffness.count = a->damping.count = kept;
-  hk_status status = hk_part_sums_sort(&b->sums, view, &a->node, NULL);
+  status = hk_part_sums_sort(&b->sums, view, &a->node, NULL);
   return status == HK_OK ? hk_chunk_rounds_sort(&b->rounds, view->host, view->n, &a->node) : status;
 }

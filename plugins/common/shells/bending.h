@@ -31,6 +31,8 @@ typedef struct hk_bending_params {
 typedef struct hk_bending {
   size_t count;                /* hinges at the start of the run */
   uint32_t (*id)[4];           /* of their members */
+  bool *torn;                  /* it was one of the scene's triangles and is no more; NULL: these are not the scene's */
+  size_t triangles;            /* of the scene, when that was last looked at */
   double *stiffness, *damping; /* J and J s per square of the angle */
   hk_hinge_shape *shape;       /* at rest: of the start */
   double *per_rigidity;        /* stiffness of a rigidity of 1 N m */
@@ -47,7 +49,8 @@ typedef struct hk_bending {
  * sets weight afterwards. HK_BAD_PARAM names a hinge that cannot bend. */
 hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
 /* Functions of the plugin and of hk_force. The instance `self` begins with its hk_bending. Elements are summed
- * part by part; `topology` drops the hinges of the dead. */
+ * part by part; `topology` drops the hinges of the dead, and of
+ * triangles that have left the scene's surface. */
 hk_status hk_bending_topology(void *self, const hk_view *view);
 hk_status hk_bending_add(void *self, const hk_view *view, double *F);
 void hk_bending_add_part(void *self, const hk_view *view, size_t part, double *F);

@@ -84,6 +84,60 @@ static void what_is_warm_at_the_start_never_holds(void **state) {
   test_engine_close(&e);
 }
 
+static size_t joined(test_engine *e) { return hk_run_view(e->run)->model->join[0]->count; }
+
+/* A chain of four hanging bars and particles of 1 kg: bar k bears (5 - k) m g = 10 (5 - k) N. Of the limits that two
+ * bars exceed, 0.9 and 0.75 of their tensions, that of the second is exceeded more: it breaks alone and at once, and
+ * what the others bear then is nothing more than before. */
+static void the_bar_that_is_overloaded_most_breaks(void **state) {
+  (void)state;
+  test_engine e;
+  hk_plugin_spec *spec = chain(&e, LINKS, (double[]){0, 0, 0, 0, 0});
+  test_list(&e, spec, "breaking", (double[]){36, 22.5, 21, 11}, LINKS);
+  test_run(&e);
+  test_advance(&e, 0.1);
+  for (uint32_t k = 1; k <= LINKS; k++) {
+    double exact = k == 2 ? g * 0.1 * 0.1 / 2 : 0;
+    if (!(fabs(length(&e, k) - 1 - exact) < 1e-9)) fail_msg("bar %u: %.12g m", (unsigned)k, length(&e, k));
+  }
+  assert_int_equal(joined(&e), LINKS - 1);
+  test_engine_close(&e);
+}
+
+/* A pendulum of 1 m let go level bears 3 m g cos a, a the angle from below, of which 24 N are reached after
+ * integral da'/sqrt(2 g cos a') from acos 0.8 to pi/2. It flies on along its tangent. */
+static void a_swinging_weight_breaks_its_bar(void **state) {
+  (void)state;
+  test_engine e;
+  const double limit = 24, c = limit / (3 * g), speed = sqrt(2 * g * c);
+  test_number(&e, chain(&e, 1, (double[]){0, 0}), "breaking", limit);
+  e.scene->particles.position[3] = 1, e.scene->particles.position[5] = 0;
+  test_run(&e);
+  double t = 0, a = acos(c), step = 1e-5; /* with a = pi/2 - s^2 the integral has no singular end */
+  for (double s = step / 2, end = sqrt(acos(0) - a); s < end; s += step) t += 2 * s * step / sqrt(2 * g * sin(s * s));
+  test_advance(&e, t - 2 * dt);
+  assert_int_equal(joined(&e), 1);
+  test_advance(&e, t + 2 * dt);
+  assert_int_equal(joined(&e), 0);
+  const double *v = test_velocity(&e, 2);
+  if (!(fabs(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - speed) < 3 * g * dt)) fail_msg("%g, %g m/s", v[0], v[2]);
+  assert_true(fabs(v[0] + speed * c) < 3 * g * dt); /* towards the middle */
+  test_engine_close(&e);
+}
+
+/* Below the limit nothing breaks, and what breaks and what melts are two things. */
+static void bars_hold_below_their_limit_until_they_melt(void **state) {
+  (void)state;
+  test_engine e;
+  test_number(&e, chain(&e, 1, (double[]){250, 254}), "breaking", 1.001 * g);
+  test_run(&e);
+  test_advance(&e, 0.44);
+  assert_true(fabs(length(&e, 1) - 1) < 1e-12);
+  test_advance(&e, 0.5);
+  assert_true(length(&e, 1) > 1.005);
+  test_engine_close(&e);
+}
+
 static void no_channel_is_refused(void **state) {
   (void)state;
   test_engine e;
@@ -97,6 +151,9 @@ int main(void) {
       cmocka_unit_test(a_weight_falls_when_its_bar_melts),
       cmocka_unit_test(the_warmest_link_fails_alone),
       cmocka_unit_test(what_is_warm_at_the_start_never_holds),
+      cmocka_unit_test(the_bar_that_is_overloaded_most_breaks),
+      cmocka_unit_test(a_swinging_weight_breaks_its_bar),
+      cmocka_unit_test(bars_hold_below_their_limit_until_they_melt),
       cmocka_unit_test(no_channel_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,6 @@
 /* The corrector liquid with the viscosity of melt: what is solid falls freely and keeps its shape where what is molten
  * spreads, and what does not fit together is refused. */
-#include "tests/support/engine.h"
+#include "tests/support/melting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -132,11 +132,46 @@ static void what_does_not_fit_is_refused(void **state) {
   refuses(&e, "viscosity: there are two, 1 Pa s and those of 'melt'");
 }
 
+/* A sheet falls and melts meanwhile: what is in no triangle any more is liquid, which the floor holds. Before it comes
+ * there its momentum is that of free fall and its heat that which it was given, to rounding. */
+static void what_a_sheet_lets_go_is_liquid(void **state) {
+  (void)state;
+  test_engine e;
+  enum { COUNT = MELTING_SIDE * MELTING_SIDE };
+  const double g = 9.81, growth = 400, t = 0.25, mass = 0.01;
+  test_engine_open(&e);
+  melting_sheet(&e, "melting_membrane", 280, 10); /* all has molten after 0.15 s */
+  melting_warms(&e, growth);
+  e.options.integrator = "symplectic_euler";
+  e.scene->fps = 100;
+  e.scene->duration = 1;
+  test_vector(&e, test_plugin(&e, HK_FORCE, "gravity"), "g", 0, 0, -g);
+  hk_plugin_spec *liquid = test_plugin(&e, HK_CORRECTOR, "liquid");
+  test_vector(&e, liquid, "low", -0.4, -0.4, -0.8);
+  test_vector(&e, liquid, "high", 0.8, 0.8, 0.4);
+  test_number(&e, liquid, "cell", 0.1);
+  test_run(&e);
+  test_advance(&e, t);
+  double momentum[3] = {0}, heat = 0;
+  const hk_view *view = hk_run_view(e.run);
+  for (uint32_t id = 1; id <= COUNT; id++) {
+    for (int c = 0; c < 3; c++) momentum[c] += mass * test_velocity(&e, id)[c];
+    heat += view->y[id - 1] - (230 + 10 * ((id - 1) / MELTING_SIDE) + growth * t);
+  }
+  print_message("off by %.2g, %.2g, %.2g N s and %.2g K\n", momentum[0], momentum[1],
+                momentum[2] + COUNT * mass * g * t, heat);
+  assert_true(fabs(momentum[0]) < 1e-13 && fabs(momentum[1]) < 1e-13);
+  assert_true(fabs(momentum[2] + COUNT * mass * g * t) < 1e-12 && fabs(heat) < 1e-9);
+  test_advance(&e, 0.8);
+  for (uint32_t id = 1; id <= COUNT; id++)
+    if (!(test_position(&e, id)[2] > -0.8)) fail_msg("%u is at %g m", (unsigned)id, test_position(&e, id)[2]);
+  test_engine_close(&e);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_is_solid_falls_freely),
-      cmocka_unit_test(what_is_solid_turns_as_a_whole),
-      cmocka_unit_test(what_is_molten_spreads),
+      cmocka_unit_test(what_a_sheet_lets_go_is_liquid), cmocka_unit_test(what_is_solid_falls_freely),
+      cmocka_unit_test(what_is_solid_turns_as_a_whole), cmocka_unit_test(what_is_molten_spreads),
       cmocka_unit_test(what_does_not_fit_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

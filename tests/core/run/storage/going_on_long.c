@@ -6,6 +6,7 @@
 #include "tests/fixtures/looker.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
+#include "tests/support/melting.h"
 
 #include <dirent.h>
 #include <setjmp.h>
@@ -216,6 +217,17 @@ static void twisted(test_engine *e) {
   test_number(e, ribbon, "radius", 0.1);
 }
 
+/* Sheets and bars that are gone leave surfaces and equations, at the interruption as before. */
+static void molten(test_engine *e) {
+  melting_sheet(e, "melting_membrane", 260, 15);
+  melting_warms(e, 30);
+  test_plugin(e, HK_FORCE, "gravity");
+  test_pin(e, HK_PIN_FIXED, 1, NULL);
+  hk_plugin_spec *bars = test_plugin(e, HK_CONSTRAINT, "melting_bars");
+  test_edges(e, bars, (const uint32_t[][2]){{1, 7}, {7, 13}, {13, 19}}, 3);
+  test_text(e, bars, "channel", "temperature"), test_number(e, bars, "melts", 262);
+}
+
 typedef struct scene_case {
   const char *name;
   void (*make)(test_engine *);
@@ -232,7 +244,8 @@ static const scene_case scenes[] = {{"pinned and timed", pinned_and_timed},
                                     {"crowded", crowded},
                                     {"barred", barred},
                                     {"on the ground", on_the_ground},
-                                    {"twisted", twisted}};
+                                    {"twisted", twisted},
+                                    {"molten", molten}};
 
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
