@@ -7,8 +7,9 @@
 
 #include <cmocka.h>
 
-const char *const varied_method[VARIED_METHODS] = {"leapfrog", "symplectic_euler", "rk4",
-                                                   "euler",    "midpoint",         "trapezoid"};
+const char *const varied_method[VARIED_ALL] = {"leapfrog",       "symplectic_euler",  "rk4",
+                                               "euler",          "midpoint",          "trapezoid",
+                                               "backward_euler", "implicit_midpoint", "implicit_trapezoid"};
 
 void varied_tetrahedron(test_engine *e, const double p[VARIED_PARAMETERS]) {
   test_particle(e, 0.1, 0, 0, 1);
@@ -37,7 +38,7 @@ static void open_one(const varied_runs *r, test_engine *e, size_t k, double by) 
   r->scene(e, p);
   e->scene->duration = 100;
   e->scene->fps = 10;
-  e->options.integrator = r->integrator;
+  test_exact_integrator(e, r->integrator);
   e->options.dt = r->dt;
   test_run(e);
 }

@@ -6,10 +6,10 @@
 
 #include "core/numerics/sensitivity/sensitivity.h"
 
-enum { VARIED_PARAMETERS = 4, VARIED_METHODS = 6 };
+enum { VARIED_PARAMETERS = 4, VARIED_METHODS = 6, VARIED_ALL = 9 };
 
-/* Explicit methods that state their stages. */
-extern const char *const varied_method[VARIED_METHODS];
+/* Methods that state their stages: VARIED_METHODS explicit ones, and then those with implicit stages. */
+extern const char *const varied_method[VARIED_ALL];
 
 typedef void varied_scene(test_engine *, const double p[VARIED_PARAMETERS]);
 

@@ -1,5 +1,6 @@
 /* The adjoint: the transposed derivative of each step, from the last one to the first. */
 #include "core/numerics/sensitivity/force_slopes.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -77,7 +78,13 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
     memcpy(L + 2 * v, w->u[k], v * sizeof *L);
     return HK_OK;
   }
-  hk_status status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
+  hk_status status = HK_OK;
+  if (hk_implicit_stage_is(m, k)) {
+    status = hk_implicit_stage_linearise(s, step, k, true);
+    if (status == HK_OK) status = hk_implicit_stage_pass(s, w->u[k]);
+    if (status != HK_OK) return status;
+  }
+  status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
   for (size_t e = 0; e < v; e++) {
     L[e] += dX[e];
     L[v + e] += m->c[k] * h * dX[e] + dX[v + e];

@@ -1,6 +1,6 @@
 /* The record of a run's steps, and the steps taken again. */
 #include "core/engine/contract/contract.h"
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -120,7 +120,10 @@ static hk_status reserve(hk_sensitivity *s) {
   s->exact = calloc(s->loop->plugins->kind[HK_FORCE].count + 1, sizeof *s->exact);
   s->start = malloc((2 * v + 1) * sizeof *s->start);
   s->scratch = malloc(((5 + 3 * stages) * v + 1) * sizeof *s->scratch);
-  if (!s->exact || !s->start || !s->scratch) return HK_NO_MEMORY;
+  bool implicit = false;
+  for (size_t k = 0; k < stages; k++) implicit |= hk_implicit_stage_is(s->method, k);
+  if (implicit) s->implicit = hk_implicit_stage_create(s->n);
+  if (!s->exact || !s->start || !s->scratch || (implicit && !s->implicit)) return HK_NO_MEMORY;
   hk_sensitivity_untape(s);
   memcpy(s->start, s->loop->state->X, 2 * v * sizeof *s->start);
   return HK_OK;
@@ -139,6 +142,11 @@ hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *er
   s->reached = loop->state->t;
   if (reserve(s) != HK_OK) return hk_error_set(error, HK_NO_MEMORY, "no memory for the record of steps");
   find_exact(s);
+  if (s->implicit && !s->all_exact)
+    return hk_error_set(error, HK_FAILED,
+                        "force '%s' states no exact Jacobian, by which steps of the implicit method '%s' are "
+                        "differentiated: choose an explicit one, with --integrator",
+                        s->inexact, loop->integrator->plugin->name);
   s->hooks = loop->hooks;
   loop->hooks =
       (hk_loop_hooks){.context = s, .frame = frame, .framed = framed, .moved = note_step, .now_and_then = now_and_then};
@@ -206,8 +214,8 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,
                       "the steps, taken again, end elsewhere, by %.2g of the scene's size: its motion makes rounding "
-                      "that large, or something acts beside the forces; shorten the run (--at)",
-                      s->off);
+                      "that large, or something acts beside the forces; shorten the run (--at)%s",
+                      s->off, s->implicit ? ", or give the integrator a smaller tolerance" : "");
 }
 
 void hk_sensitivity_close(hk_sensitivity *s) {
@@ -219,6 +227,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->tape);
   free(s->shared);
   free(s->exact);
+  hk_implicit_stage_free(s->implicit);
   free(s->scratch);
   free(s);
 }

@@ -1,7 +1,7 @@
 /* The steps between two knots as a map of its own: from any state, not that of the run, with its derivatives by that
  * state and by the values of functions of time at the knots. What transcription makes its equations of (Bock and Plitt
  * 1984). */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +47,11 @@ static hk_status stage_of(segment *w, const hk_taken_step *step, size_t k) {
   }
   if (!evaluates) return HK_OK;
   hk_status status = hk_sensitivity_products(s, &s->point[k], w->columns, w->apart, w->stage, w->a[k]);
-  return status == HK_OK ? add_controls(w, k) : status;
+  if (status == HK_OK) status = add_controls(w, k);
+  if (status != HK_OK || !hk_implicit_stage_is(s->method, k)) return status;
+  status = hk_implicit_stage_linearise(s, step, k, false);
+  for (size_t j = 0; j < w->columns && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
+  return status;
 }
 
 static hk_status step_of(segment *w, const hk_taken_step *step, hk_carried *Z) {

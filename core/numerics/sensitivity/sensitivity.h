@@ -59,6 +59,8 @@ typedef struct hk_varied {
  * of every step, the last one first. A failure ends the adjoint with it. */
 typedef hk_status hk_adjoint_source(void *context, double t, const double *X, double *L);
 
+typedef struct hk_implicit_stage hk_implicit_stage; /* implicit_stage.h */
+
 typedef struct hk_sensitivity {
   hk_loop *loop;
   hk_dynamics *dynamics;
@@ -88,7 +90,8 @@ typedef struct hk_sensitivity {
   hk_adjoint_source *source; /* of a number that is no function of the last state alone: an integral; NULL: none */
   void *source_context;
   hk_stage_point point[HK_MOST_STAGES];
-  double *scratch; /* 15n, of products and differences; behind it the points of a step that is not taped */
+  hk_implicit_stage *implicit; /* NULL: the method has no implicit stage */
+  double *scratch;             /* 15n, of products and differences; behind it the points of a step that is not taped */
 } hk_sensitivity;
 
 /* ---- recording.c ---- */
@@ -149,7 +152,8 @@ void hk_sensitivity_rewind(hk_sensitivity *, size_t step);
 void hk_sensitivity_untape(hk_sensitivity *);
 /* Takes a step from Z to Z, and keeps its points. */
 hk_status hk_sensitivity_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z);
-/* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before. */
+/* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before; its own terms, where
+ * it is implicit, are left out. */
 void hk_sensitivity_stage(const hk_sensitivity *, const hk_taken_step *, size_t k, const hk_carried *Z,
                           double *const a[HK_MOST_STAGES], double *X);
 void hk_sensitivity_arrive(const hk_sensitivity *, const hk_taken_step *, double *const a[HK_MOST_STAGES],

@@ -1,5 +1,5 @@
 /* A step by the stages of its method, as it is taken again. */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <string.h>
 
@@ -82,7 +82,10 @@ hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_c
     a[k] = hk_sensitivity_evaluates(s, step, k) ? p->a : Z + 2 * v; /* which is overwritten when all is added */
     if (a[k] != p->a) continue;
     hk_sensitivity_stage(s, step, k, Z, a, p->X);
-    hk_status status = hk_sensitivity_evaluate(s->dynamics, p->t, p->X, p->a);
+    bool implicit = hk_implicit_stage_is(s->method, k);
+    if (implicit) memcpy(p->a, k > 0 ? a[k - 1] : Z + 2 * v, v * sizeof *Z); /* a guess */
+    hk_status status = implicit ? hk_implicit_stage_settle(s, step, k, p->X, p->a)
+                                : hk_sensitivity_evaluate(s->dynamics, p->t, p->X, p->a);
     if (status != HK_OK) return status;
   }
   hk_sensitivity_arrive(s, step, a, Z);

@@ -1,5 +1,5 @@
 /* Tangents: the derivative of each step, one after the other, for all parameters at once. */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +29,9 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
     status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
     for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
   }
+  if (status != HK_OK || !hk_implicit_stage_is(s->method, k)) return status;
+  status = hk_implicit_stage_linearise(s, step, k, false);
+  for (size_t j = 0; j < w->count && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
   return status;
 }
 

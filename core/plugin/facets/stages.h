@@ -1,9 +1,9 @@
-/* Facet of explicit methods with a fixed step: the step as linear combinations of accelerations, by which the host
+/* Facet of methods with a fixed step: the step as linear combinations of accelerations, by which the host
  * differentiates it (core/numerics/sensitivity). In a step of h, from x and v at t, stage k has the acceleration
- *     a_k = a(t + c_k h,  x + c_k h v + h^2 sum_{j<k} x_kj a_j,  v + h sum_{j<k} v_kj a_j),
- * and the step ends at x + h v + h^2 sum_j X_j a_j and v + h sum_j V_j a_j (Nystroem 1925; Hairer, Norsett and Wanner,
- * Solving ODEs I, II.14). A Runge-Kutta method with the matrix A and the weights b has v_kj = A, x_kj = A A, V = b and
- * X = b A. */
+ *     a_k = a(t + c_k h,  x + c_k h v + h^2 sum_{j<=k} x_kj a_j,  v + h sum_{j<=k} v_kj a_j),
+ * where x_kk and v_kk are 0 in explicit stages, and the host solves the equation of the others, and the step ends at x
+ * + h v + h^2 sum_j X_j a_j and v + h sum_j V_j a_j (Nystroem 1925; Hairer, Norsett and Wanner, Solving ODEs I, II.14).
+ * A Runge-Kutta method with the matrix A and the weights b has v_kj = A, x_kj = A A, V = b and X = b A. */
 #ifndef HK_PLUGIN_STAGES_H
 #define HK_PLUGIN_STAGES_H
 
@@ -21,7 +21,7 @@ typedef struct hk_stages_facet {
    * called since. */
   bool carries;
   double c[HK_MOST_STAGES];
-  double x[HK_MOST_STAGES][HK_MOST_STAGES], v[HK_MOST_STAGES][HK_MOST_STAGES]; /* below the diagonal */
+  double x[HK_MOST_STAGES][HK_MOST_STAGES], v[HK_MOST_STAGES][HK_MOST_STAGES]; /* up to the diagonal */
   double x_end[HK_MOST_STAGES], v_end[HK_MOST_STAGES];                         /* X and V. Required. */
 } hk_stages_facet;
 

@@ -55,7 +55,7 @@ static void released(test_engine *e) {
 static void what_is_not_differentiated_is_refused(void **state) {
   (void)state;
   refused(NULL, "dopri5", "integrator 'dopri5' does not state its step as stages (stages/1)");
-  refused(NULL, "backward_euler", "integrator 'backward_euler' does not state");
+  refused(NULL, "linear_bdf2", "integrator 'linear_bdf2' does not state");
   refused(bar, "leapfrog", "constraint 'bars' acts on the steps, and is not differentiated");
   refused(floor_below, "leapfrog", "corrector 'obstacle' acts on the steps");
   refused(ending, "leapfrog", "force 'springs' begins or ends at a time");
