@@ -80,10 +80,7 @@ static bool unknown(const hk_plugin *p, const char *id, hk_reason_text *reason) 
   return hk_wrong(reason, "it has the facet '%s', which this hooke does not know: core/plugin/facets has them all", id);
 }
 
-/* Of a table that is long enough. */
-static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
-  if (p->integrator->flags & HK_ADAPTIVE)
-    return hk_wrong(reason, "it has the facet '%s', which is for methods with a fixed step", HK_STAGES_ID);
+static bool good_table(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
   if (f->count < 1 || f->count > HK_MOST_STAGES)
     return hk_wrong(reason, "its facet '%s' has %zu stages, and 1 to %d are possible", HK_STAGES_ID, f->count,
                     HK_MOST_STAGES);
@@ -96,6 +93,18 @@ static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_
                     HK_STAGES_ID, f->x[k][k], f->v[k][k], k);
   }
   return true;
+}
+
+/* Of a table that is long enough. */
+static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
+  if (p->integrator->flags & HK_ADAPTIVE)
+    return hk_wrong(reason, "it has the facet '%s', which is for methods with a fixed step", HK_STAGES_ID);
+  if (!good_table(p, f, reason)) return false;
+  if (!f->start && f->back == 0) return true;
+  if (f->start && f->start->size >= sizeof *f && f->start->back == 0 && !f->start->start)
+    return good_table(p, f->start, reason);
+  return hk_wrong(reason, "its facet '%s' goes on from two states, and has no `start` that goes on from one",
+                  HK_STAGES_ID);
 }
 
 static bool one_facet(const hk_plugin *p, const hk_facet *f, hk_reason_text *reason) {

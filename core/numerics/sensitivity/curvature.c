@@ -172,8 +172,8 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *s, size_t first, size_t last,
   hk_bend_pass w = {.s = s, .by = by, .v = v, .controls = controls, .columns = columns, .moves = moves, .H = H};
   if (s->implicit)
     return hk_error_set(error, HK_FAILED,
-                        "second derivatives are those of explicit steps alone: choose leapfrog or rk4, with "
-                        "--integrator");
+                        "second derivatives are those of explicit steps alone: choose an explicit "
+                        "method, with --integrator");
   w.values = takes_values(s);
   hk_carried *Z = calloc(3 * v + 1, sizeof *Z);
   hk_status status = Z && reserve(&w, last - first) ? HK_OK : HK_NO_MEMORY;

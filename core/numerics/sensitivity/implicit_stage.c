@@ -132,7 +132,7 @@ static hk_status linearise_at(hk_sensitivity *s, const hk_stage_point *p, double
 }
 
 hk_status hk_implicit_stage_linearise(hk_sensitivity *s, const hk_taken_step *step, size_t k, bool transposed) {
-  const hk_stages_facet *m = s->method;
+  const hk_stages_facet *m = hk_sensitivity_method(s, step);
   return linearise_at(s, &s->point[k], step->h * m->v[k][k], step->h * step->h * m->x[k][k], transposed);
 }
 
@@ -169,7 +169,7 @@ static void rotate(projected *q, size_t j) {
     q->H[i][j] = q->c[i] * a + q->s[i] * b;
     q->H[i + 1][j] = q->c[i] * b - q->s[i] * a;
   }
-  double a = q->H[j][j], b = q->H[j + 1][j], r = hypot(a, b);
+  double a = q->H[j][j], b = q->H[j + 1][j], r = sqrt(a * a + b * b);
   q->c[j] = r > 0 ? a / r : 1;
   q->s[j] = r > 0 ? b / r : 0;
   q->H[j][j] = r;
@@ -227,7 +227,7 @@ static hk_status solve(hk_sensitivity *s, const double *b, double *x) {
   if (status != HK_OK || size <= enough * of) return status;
   return hk_error_set(s->dynamics->error, HK_NOT_CONVERGED,
                       "the linear system of a step's derivative is solved to %.2g of its right-hand side only: take a "
-                      "shorter step (--dt), or a direct solver (--solver umfpack)",
+                      "shorter step (--dt), or a direct solver (--solver)",
                       size / of);
 }
 
@@ -319,7 +319,7 @@ static hk_status iterate(const newton *q) {
 }
 
 hk_status hk_implicit_stage_settle(hk_sensitivity *s, const hk_taken_step *step, size_t k, double *X, double *a) {
-  const hk_stages_facet *m = s->method;
+  const hk_stages_facet *m = hk_sensitivity_method(s, step);
   size_t v = 3 * s->n;
   double *fixed = s->implicit->old + v;
   memcpy(fixed, X, 2 * v * sizeof *X);

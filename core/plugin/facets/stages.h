@@ -14,7 +14,8 @@
 
 enum { HK_MOST_STAGES = 4 };
 
-typedef struct hk_stages_facet {
+typedef struct hk_stages_facet hk_stages_facet;
+struct hk_stages_facet {
   size_t size;
   size_t count; /* of stages, 1 to HK_MOST_STAGES */
   /* The first stage has the acceleration of the last stage of the step before, unless there is none or `reset` has been
@@ -23,6 +24,11 @@ typedef struct hk_stages_facet {
   double c[HK_MOST_STAGES];
   double x[HK_MOST_STAGES][HK_MOST_STAGES], v[HK_MOST_STAGES][HK_MOST_STAGES]; /* up to the diagonal */
   double x_end[HK_MOST_STAGES], v_end[HK_MOST_STAGES];                         /* X and V. Required. */
-} hk_stages_facet;
+  /* Of a method of two steps, otherwise 0: in place of x and v the step goes from x* = x + back (x - x_before) and v*
+   * likewise, at the begin of the step before; as these are where the motion is at t + back h, to first order, c_k -
+   * back stands for c_k in the point, and x* + (1 - back) h v* for x + h v in the step's end. */
+  double back;
+  const hk_stages_facet *start; /* required with `back`: of a step without one before, or after one of another length */
+};
 
 #endif
