@@ -105,7 +105,7 @@ assert(code == 2 and text:find("not sure: far: whole runs beside give", 1, true)
 refused("swing.lua --of y --by k", "the scene has no measure 'y'; ")
 refused("swing.lua --of x --by k=0", "k = 0 is at its bound, where a derivative is one-sided")
 refused("swing.lua --of calls --by k", "the measure 'calls': it remembers its calls")
-refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; there are backward_euler, euler")
+refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; there are backward_euler, bdf2, euler")
 
 write("more.lua", [[
 local count = param("count", 2.5, "of particles")

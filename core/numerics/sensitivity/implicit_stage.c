@@ -8,16 +8,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIRECTIONS = 20, RESTARTS = 10, ITERATIONS = 50, HALVINGS = 30 };
+enum { FEW = 6, DIRECTIONS = 20, RESTARTS = 10, ITERATIONS = 50, HALVINGS = 30 };
 
 /* Residuals of a linear system in parts of its right-hand side: wanted, and enough where rounding allows no better. */
 static const double wanted = 1e-14, enough = 1e-10;
+
+/* What FEW directions have to leave of it by factors of an earlier matrix, which are made anew otherwise. */
+static const double slow = 1e-9;
+/* Residual of a step of Newton's method, by which the next one is as much smaller. */
+static const double forcing = 1e-6;
 
 struct hk_implicit_stage {
   hk_matrix A; /* whose values are `value` */
   double *value;
   size_t room;
   bool transposed;
+  /* What A is of, and what the factors are: of a matrix at another point for the same by_v and by_x, which serves as a
+   * preconditioner as long as it pays. Of the matrix as it is or, by a solver of unsymmetric ones, transposed. */
+  const hk_stage_point *at;
+  double by_v, by_x, factor_v, factor_x;
+  bool factor_transposed;
   double *V, *Z;        /* DIRECTIONS + 1 and DIRECTIONS vectors of 3n */
   double *R, *da, *old; /* 3n; X of 6n behind them */
 };
@@ -105,11 +115,13 @@ static void transpose(const hk_implicit_stage *w, hk_matrix *A) {
 }
 
 /* Factors for A, of which the exact values are kept; `last` is that of the last combination. */
-static hk_status factorize(hk_sensitivity *s, hk_implicit_stage *w, const hk_stage_point *p, double by_v, double by_x,
-                           hk_matrix *last) {
+static hk_status factorize(hk_sensitivity *s, hk_implicit_stage *w, hk_matrix *last) {
   hk_system *system = &s->dynamics->system;
+  const hk_stage_point *p = w->at;
+  double by_v = w->by_v, by_x = w->by_x;
   unsigned flags;
   hk_status status = system->linear->solver_flags(system, &flags);
+  w->factor_v = w->factor_x = 0;
   if (status != HK_OK) return status;
   if (flags & HK_SOLVES_UNSYMMETRIC) {
     if (w->transposed && !last->symmetric) transpose(w, last);
@@ -122,13 +134,39 @@ static hk_status factorize(hk_sensitivity *s, hk_implicit_stage *w, const hk_sta
   return status == HK_OK ? system->linear->factorize(system, last) : status;
 }
 
+static hk_status factorize_now(hk_sensitivity *s, hk_matrix *last) {
+  hk_implicit_stage *w = s->implicit;
+  hk_status status = factorize(s, w, last);
+  if (status != HK_OK) return status;
+  w->factor_v = w->by_v;
+  w->factor_x = w->by_x;
+  w->factor_transposed = w->transposed && !w->A.symmetric;
+  return HK_OK;
+}
+
+/* Of steps whose lengths differ by rounding the factors are as good. */
+static bool is_near(double a, double b) { return fabs(a - b) <= 1e-9 * fabs(b); }
+
 static hk_status linearise_at(hk_sensitivity *s, const hk_stage_point *p, double by_v, double by_x, bool transposed) {
   hk_implicit_stage *w = s->implicit;
   hk_matrix A;
-  w->transposed = transposed;
   hk_status status = combine(s, p, by_v, by_x, 0, &A);
   if (status == HK_OK) status = keep(s, w, &A);
-  return status == HK_OK ? factorize(s, w, p, by_v, by_x, &A) : status;
+  if (status != HK_OK) return status;
+  w->transposed = transposed;
+  w->at = p;
+  w->by_v = by_v;
+  w->by_x = by_x;
+  bool turned = transposed && !A.symmetric;
+  if (is_near(w->factor_v, by_v) && is_near(w->factor_x, by_x) && turned == w->factor_transposed) return HK_OK;
+  return factorize_now(s, &A);
+}
+
+static hk_status factorize_again(hk_sensitivity *s) {
+  hk_implicit_stage *w = s->implicit;
+  hk_matrix A;
+  hk_status status = combine(s, w->at, w->by_v, w->by_x, 0, &A);
+  return status == HK_OK ? factorize_now(s, &A) : status;
 }
 
 hk_status hk_implicit_stage_linearise(hk_sensitivity *s, const hk_taken_step *step, size_t k, bool transposed) {
@@ -187,18 +225,22 @@ static void add_directions(const hk_implicit_stage *w, const projected *q, size_
   }
 }
 
-/* x += what DIRECTIONS directions find of A x = b. */
-static hk_status restart(hk_sensitivity *s, const double *b, double *x, double limit, double *size) {
+/* The first direction, that of the residual of x, and its size. */
+static void begin(const hk_implicit_stage *w, const double *b, const double *x, size_t v, double *size) {
+  product(w, x, w->V);
+  for (size_t e = 0; e < v; e++) w->V[e] = b[e] - w->V[e];
+  *size = sqrt(dot(w->V, w->V, v));
+  for (size_t e = 0; e<v && * size> 0; e++) w->V[e] /= *size;
+}
+
+/* x += what so many directions find of A x = b, until the residual is that small. */
+static hk_status add_part(hk_sensitivity *s, double size, double limit, size_t most, double *x) {
   hk_implicit_stage *w = s->implicit;
   hk_system *system = &s->dynamics->system;
   size_t v = 3 * s->n, count = 0;
   projected q;
-  product(w, x, w->V);
-  for (size_t e = 0; e < v; e++) w->V[e] = b[e] - w->V[e];
-  *size = q.g[0] = sqrt(dot(w->V, w->V, v));
-  if (!(*size > limit)) return isnan(*size) ? HK_NOT_FINITE : HK_OK;
-  for (size_t e = 0; e < v; e++) w->V[e] /= *size;
-  for (bool last = false; count < DIRECTIONS && !last; count++) {
+  q.g[0] = size;
+  for (bool last = false; count < most && !last; count++) {
     double *z = w->Z + count * v;
     hk_solve_info info = {.tolerance = 1e-8};
     hk_status status = system->linear->solve(system, w->V + count * v, z, &info);
@@ -212,19 +254,22 @@ static hk_status restart(hk_sensitivity *s, const double *b, double *x, double l
   return HK_OK;
 }
 
-/* Solves A x = b, or the transposed system. */
-static hk_status solve(hk_sensitivity *s, const double *b, double *x) {
+/* Solves A x = b, or the transposed system, to a residual in parts of b. */
+static hk_status solve(hk_sensitivity *s, const double *b, double part, double *x) {
   size_t v = 3 * s->n;
   double size = 0, before = INFINITY, of = sqrt(dot(b, b, v));
   hk_status status = HK_OK;
   memset(x, 0, v * sizeof *x);
-  for (int i = 0; i < RESTARTS && status == HK_OK; i++) {
-    status = restart(s, b, x, wanted * of, &size);
-    if (!(size > wanted * of) || !(size < 0.5 * before)) break;
+  for (int i = 0; i <= RESTARTS && status == HK_OK; i++) {
+    begin(s->implicit, b, x, v, &size);
+    if (isnan(size)) return HK_NOT_FINITE;
+    if (size <= part * of || (i > 2 && !(size < 0.5 * before))) break;
+    if (i == 1 && size > fmax(slow, part) * of) status = factorize_again(s);
+    if (status == HK_OK) status = add_part(s, size, part * of, i == 0 ? FEW : DIRECTIONS, x);
     before = size;
   }
   if (status == HK_OK) s->dynamics->system.filter(&s->dynamics->system, x);
-  if (status != HK_OK || size <= enough * of) return status;
+  if (status != HK_OK || size <= fmax(part, enough) * of) return status;
   return hk_error_set(s->dynamics->error, HK_NOT_CONVERGED,
                       "the linear system of a step's derivative is solved to %.2g of its right-hand side only: take a "
                       "shorter step (--dt), or a direct solver (--solver)",
@@ -235,15 +280,17 @@ static void by_mass(const hk_sensitivity *s, double *u) {
   for (size_t e = 0; e < 3 * s->n; e++) u[e] *= s->dynamics->state->model.mass[e / 3];
 }
 
-hk_status hk_implicit_stage_pass(hk_sensitivity *s, double *u) {
+static hk_status pass_to(hk_sensitivity *s, double part, double *u) {
   hk_implicit_stage *w = s->implicit;
   if (!w->transposed) by_mass(s, u);
   s->dynamics->system.filter(&s->dynamics->system, u);
-  hk_status status = solve(s, u, w->da);
+  hk_status status = solve(s, u, part, w->da);
   memcpy(u, w->da, 3 * s->n * sizeof *u);
   if (w->transposed) by_mass(s, u);
   return status;
 }
+
+hk_status hk_implicit_stage_pass(hk_sensitivity *s, double *u) { return pass_to(s, wanted, u); }
 
 /* ---- a stage's equation, by Newton's method ---- */
 
@@ -304,7 +351,7 @@ static hk_status iterate(const newton *q) {
   for (int i = 0; i < ITERATIONS && status == HK_OK; i++) {
     if (!isfinite(size)) break;
     status = linearise_at(q->s, q->p, q->by_v, q->by_x, false);
-    if (status == HK_OK) status = hk_implicit_stage_pass(q->s, q->s->implicit->R);
+    if (status == HK_OK) status = pass_to(q->s, forcing, q->s->implicit->R);
     if (status != HK_OK) return status;
     bool rounding = is_small(q, 4 * DBL_EPSILON), close = is_small(q, 1e-10);
     status = descend(q, close, &size, &fell);
