@@ -9,14 +9,16 @@
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {1}, .a = {{1}}, .b = {1}};
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = 1,
-                                         .stages = 1,
-                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .method = &tableau,
-                                         .step = hk_dirk_step,
-                                         .reset = hk_dirk_reset,
-                                         .growth = hk_dirk_growth};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator),
+    .order = 1,
+    .stages = 1,
+    .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
+    .method = &tableau,
+    .step = hk_dirk_step,
+    .reset = hk_dirk_reset,
+    .growth = hk_dirk_growth,
+    .facets = HK_FACETS(HK_STAGES_FACET(.count = 1, .c = {1}, .x = {{1}}, .v = {{1}}, .x_end = {1}, .v_end = {1}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

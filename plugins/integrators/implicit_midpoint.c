@@ -9,15 +9,17 @@
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {0.5}, .a = {{0.5}}, .b = {1}};
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = 2,
-                                         .stages = 1,
-                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SYMPLECTIC |
-                                                  HK_REVERSIBLE,
-                                         .method = &tableau,
-                                         .step = hk_dirk_step,
-                                         .reset = hk_dirk_reset,
-                                         .growth = hk_dirk_growth};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator),
+    .order = 2,
+    .stages = 1,
+    .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SYMPLECTIC | HK_REVERSIBLE,
+    .method = &tableau,
+    .step = hk_dirk_step,
+    .reset = hk_dirk_reset,
+    .growth = hk_dirk_growth,
+    .facets =
+        HK_FACETS(HK_STAGES_FACET(.count = 1, .c = {0.5}, .x = {{0.25}}, .v = {{0.5}}, .x_end = {0.5}, .v_end = {1}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -11,14 +11,17 @@
 
 static const hk_dirk_tableau tableau = {.stages = 2, .c = {0, 1}, .a = {{0}, {0.5, 0.5}}, .b = {0.5, 0.5}};
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = 2,
-                                         .stages = 1,
-                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_REVERSIBLE,
-                                         .method = &tableau,
-                                         .step = hk_dirk_step,
-                                         .reset = hk_dirk_reset,
-                                         .growth = hk_dirk_growth};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator),
+    .order = 2,
+    .stages = 1,
+    .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_REVERSIBLE,
+    .method = &tableau,
+    .step = hk_dirk_step,
+    .reset = hk_dirk_reset,
+    .growth = hk_dirk_growth,
+    .facets = HK_FACETS(HK_STAGES_FACET(.count = 2, .carries = true, .c = {0, 1}, .x = {{0}, {0.25, 0.25}},
+                                        .v = {{0}, {0.5, 0.5}}, .x_end = {0.25, 0.25}, .v_end = {0.5, 0.5}))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

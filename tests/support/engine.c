@@ -56,6 +56,12 @@ void test_number(test_engine *e, hk_plugin_spec *spec, const char *name, double 
   set(e, spec, name, &(hk_value){.kind = HK_VALUE_NUMBER, .number = value});
 }
 
+void test_exact_integrator(test_engine *e, const char *name) {
+  hk_plugin_spec *integrator = test_plugin(e, HK_INTEGRATOR, name);
+  for (const hk_param *p = integrator->plugin->params; p && p->name; p++)
+    if (strcmp(p->name, "tolerance") == 0) test_number(e, integrator, "tolerance", 1e-12);
+}
+
 void test_boolean(test_engine *e, hk_plugin_spec *spec, const char *name, bool value) {
   set(e, spec, name, &(hk_value){.kind = HK_VALUE_BOOLEAN, .boolean = value});
 }

@@ -20,6 +20,8 @@ void test_engine_close(test_engine *);
 uint32_t test_particle(test_engine *, double x, double y, double z, double mass);
 /* Adds a plugin by name, or a fixture by "fixture:NAME"; parameters are set with the functions below. */
 hk_plugin_spec *test_plugin(test_engine *, hk_kind kind, const char *name);
+/* The scene's integrator; with a parameter `tolerance`, of algebraic errors, that is 1e-12. */
+void test_exact_integrator(test_engine *, const char *name);
 void test_number(test_engine *, hk_plugin_spec *, const char *name, double value);
 void test_boolean(test_engine *, hk_plugin_spec *, const char *name, bool value);
 void test_function(test_engine *, hk_plugin_spec *, const char *name, hk_function); /* of a timed parameter */

@@ -7,8 +7,9 @@
 
 #include <cmocka.h>
 
-const char *const varied_method[VARIED_METHODS] = {"leapfrog", "symplectic_euler", "rk4",
-                                                   "euler",    "midpoint",         "trapezoid"};
+const char *const varied_method[VARIED_ALL] = {
+    "leapfrog",          "symplectic_euler",   "rk4", "euler", "midpoint", "trapezoid", "backward_euler",
+    "implicit_midpoint", "implicit_trapezoid", "bdf2"};
 
 void varied_tetrahedron(test_engine *e, const double p[VARIED_PARAMETERS]) {
   test_particle(e, 0.1, 0, 0, 1);
@@ -37,7 +38,7 @@ static void open_one(const varied_runs *r, test_engine *e, size_t k, double by) 
   r->scene(e, p);
   e->scene->duration = 100;
   e->scene->fps = 10;
-  e->options.integrator = r->integrator;
+  test_exact_integrator(e, r->integrator);
   e->options.dt = r->dt;
   test_run(e);
 }
@@ -65,10 +66,10 @@ void varied_run(varied_runs *r, double t) {
 
 void varied_keep(varied_runs *r, size_t stride) {
   hk_sensitivity *s = r->s;
-  size_t size = 9 * s->n;
+  size_t size = s->wide;
   double *Z = calloc(size, sizeof *Z);
   s->kept = realloc(s->kept, (s->steps / stride + 1) * size * sizeof *s->kept);
-  s->tape = realloc(s->tape, stride * s->method->count * size * sizeof *s->tape);
+  s->tape = realloc(s->tape, stride * s->stages * 9 * s->n * sizeof *s->tape);
   assert_true(Z && s->kept && s->tape);
   memcpy(Z, s->start, 6 * s->n * sizeof *Z);
   for (size_t k = 0; k < s->steps; k += stride) {

@@ -6,10 +6,10 @@
 
 #include "core/numerics/sensitivity/sensitivity.h"
 
-enum { VARIED_PARAMETERS = 4, VARIED_METHODS = 6 };
+enum { VARIED_PARAMETERS = 4, VARIED_METHODS = 6, VARIED_ALL = 10 };
 
-/* Explicit methods that state their stages. */
-extern const char *const varied_method[VARIED_METHODS];
+/* Methods that state their stages: VARIED_METHODS explicit ones, and then those with implicit stages. */
+extern const char *const varied_method[VARIED_ALL];
 
 typedef void varied_scene(test_engine *, const double p[VARIED_PARAMETERS]);
 
@@ -36,11 +36,12 @@ void varied_keep(varied_runs *, size_t stride);
 /* x and v (6n) at t of a run of its own, whose parameter k is p[k] + by. */
 void varied_end(const varied_runs *, size_t k, double by, double t, double *X);
 void varied_close(varied_runs *);
-/* A watch that copies the tangents of all parameters, 9n numbers each, to the context: the last ones stay. */
+/* A watch that copies the tangents of all parameters, hk_sensitivity.wide numbers each, to the context: the last ones
+ * stay. */
 hk_status varied_keep_tangents(void *context, double t, const double *X, const double *tangents);
 typedef struct varied_tangents {
   size_t numbers; /* of all */
-  double last[VARIED_PARAMETERS * 9 * 8], X[6 * 8];
+  double last[VARIED_PARAMETERS * 15 * 8], X[6 * 8];
   size_t n;
 } varied_tangents;
 

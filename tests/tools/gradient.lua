@@ -51,6 +51,13 @@ assert(read("out/gradient/swing/gradient.json"):find('"sure":true', 1, true))
 assert(read("out/gradient/swing/gradient.csv"):find("^t,x,by_k,by_m,by_start,by_speed,by_factor\n0,0.1"))
 assert(select(2, read("out/gradient/swing/gradient.csv"):gsub("\n", "\n")) == 32) -- a frame at every 0.05 s
 
+-- The same of an implicit method.
+for _, way in ipairs { "forwards", "backwards" } do
+  code, text = gradient("swing.lua --of x --by k,m,start,speed --integrator implicit_midpoint --way " .. way)
+  assert(code == 0, text)
+  check(text, 1, { "k", "m", "start", "speed" })
+end
+
 -- Backwards, and by what the measure itself makes of a parameter.
 code, text = gradient("swing.lua --of scaled --by k,start,factor --way backwards")
 assert(code == 0 and text:find("backwards", 1, true), text)
@@ -98,7 +105,7 @@ assert(code == 2 and text:find("not sure: far: whole runs beside give", 1, true)
 refused("swing.lua --of y --by k", "the scene has no measure 'y'; ")
 refused("swing.lua --of x --by k=0", "k = 0 is at its bound, where a derivative is one-sided")
 refused("swing.lua --of calls --by k", "the measure 'calls': it remembers its calls")
-refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; there are euler, leapfrog")
+refused("swing.lua --of x --by k --integrator dopri5", "choose one that does, with --integrator; there are backward_euler, bdf2, euler")
 
 write("more.lua", [[
 local count = param("count", 2.5, "of particles")

@@ -101,7 +101,7 @@ static int about(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)s->steps);
   lua_pushinteger(L, (lua_Integer)s->n);
   lua_pushstring(L, s->inexact);
-  lua_pushnumber(L, hk_sensitivity_bytes(s->n, s->steps, s->method->count));
+  lua_pushnumber(L, hk_sensitivity_bytes(s->n, s->steps, s->stages, s->wide));
   return 4;
 }
 
@@ -133,7 +133,7 @@ static hk_status note_row(void *context, double t, const double *X, const double
   row[0] = t;
   hk_status status = hk_record_measure_at(r, r->run, t, hk_record_moved(r, X, NULL, 0), &row[1]);
   for (size_t j = 0; j < r->count && status == HK_OK; j++)
-    status = differ(r, j, t, X, tangents + 9 * r->steps->n * j, &row[2 + j]);
+    status = differ(r, j, t, X, tangents + r->steps->wide * j, &row[2 + j]);
   r->rows += status == HK_OK;
   return status;
 }

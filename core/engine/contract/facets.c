@@ -80,13 +80,31 @@ static bool unknown(const hk_plugin *p, const char *id, hk_reason_text *reason) 
   return hk_wrong(reason, "it has the facet '%s', which this hooke does not know: core/plugin/facets has them all", id);
 }
 
+static bool good_table(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
+  if (f->count < 1 || f->count > HK_MOST_STAGES)
+    return hk_wrong(reason, "its facet '%s' has %zu stages, and 1 to %d are possible", HK_STAGES_ID, f->count,
+                    HK_MOST_STAGES);
+  for (size_t k = 0; k < f->count; k++) {
+    bool none = f->v[k][k] == 0 && f->x[k][k] == 0, both = f->v[k][k] > 0 && f->x[k][k] > 0;
+    if (none || (both && p->integrator->flags & HK_IMPLICIT)) continue;
+    return hk_wrong(reason,
+                    "its facet '%s' has %g and %g on the diagonals of x and v in stage %zu: of explicit stages both "
+                    "are 0, of those of an implicit method (HK_IMPLICIT) both are positive",
+                    HK_STAGES_ID, f->x[k][k], f->v[k][k], k);
+  }
+  return true;
+}
+
 /* Of a table that is long enough. */
 static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
-  if (p->integrator->flags & (HK_IMPLICIT | HK_ADAPTIVE))
-    return hk_wrong(reason, "it has the facet '%s', which is for explicit methods with a fixed step", HK_STAGES_ID);
-  if (f->count >= 1 && f->count <= HK_MOST_STAGES) return true;
-  return hk_wrong(reason, "its facet '%s' has %zu stages, and 1 to %d are possible", HK_STAGES_ID, f->count,
-                  HK_MOST_STAGES);
+  if (p->integrator->flags & HK_ADAPTIVE)
+    return hk_wrong(reason, "it has the facet '%s', which is for methods with a fixed step", HK_STAGES_ID);
+  if (!good_table(p, f, reason)) return false;
+  if (!f->start && f->back == 0) return true;
+  if (f->start && f->start->size >= sizeof *f && f->start->back == 0 && !f->start->start)
+    return good_table(p, f->start, reason);
+  return hk_wrong(reason, "its facet '%s' goes on from two states, and has no `start` that goes on from one",
+                  HK_STAGES_ID);
 }
 
 static bool one_facet(const hk_plugin *p, const hk_facet *f, hk_reason_text *reason) {

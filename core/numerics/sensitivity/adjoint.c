@@ -1,5 +1,6 @@
 /* The adjoint: the transposed derivative of each step, from the last one to the first. */
 #include "core/numerics/sensitivity/force_slopes.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,14 +24,24 @@ typedef struct adjoint {
 
 /* What the end of a step asks of the accelerations; L becomes what it asks of the state at the begin. */
 static void depart(const adjoint *w, const hk_taken_step *step) {
-  const hk_stages_facet *m = w->s->method;
+  const hk_stages_facet *m = hk_sensitivity_method(w->s, step);
   double h = step->h, *L = w->L;
   size_t v = 3 * w->s->n;
   for (size_t k = 0; k < m->count; k++)
     for (size_t e = 0; e < v; e++) w->u[k][e] = h * h * m->x_end[k] * L[e] + h * m->v_end[k] * L[v + e];
   for (size_t e = 0; e < v; e++) w->u[m->count - 1][e] += L[2 * v + e];
-  for (size_t e = 0; e < v; e++) L[v + e] += h * L[e];
+  for (size_t e = 0; e < v; e++) L[v + e] += (1 - m->back) * h * L[e];
   memset(L + 2 * v, 0, v * sizeof *L);
+}
+
+/* Of x* and v* that of the states at both begins. */
+static void pass_on(const adjoint *w, const hk_taken_step *step) {
+  double back = hk_sensitivity_method(w->s, step)->back, *L = w->L, *before = L + 9 * w->s->n;
+  for (size_t e = 0; e < 6 * w->s->n && w->s->wide > 9 * w->s->n; e++) {
+    double at = L[e];
+    L[e] = (1 + back) * at + before[e];
+    before[e] = -back * at;
+  }
 }
 
 /* What a function of time has at t is linear in the values at the knots beside. */
@@ -52,7 +63,7 @@ static bool moves_pins(const hk_varied *by) {
 
 static hk_status note_parameters(adjoint *w, const hk_taken_step *step, size_t k) {
   const hk_stage_point *p = &w->s->point[k];
-  size_t v = 3 * w->s->n, at = ((size_t)(step - w->s->step) * w->s->method->count + k) * w->count;
+  size_t v = 3 * w->s->n, at = ((size_t)(step - w->s->step) * w->s->stages + k) * w->count;
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double slope = 0, *own = w->kept ? w->kept + (at + j) * v : w->own;
@@ -69,7 +80,7 @@ static hk_status note_parameters(adjoint *w, const hk_taken_step *step, size_t k
 /* What stage k asks of the state and of the stages before. */
 static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
   hk_sensitivity *s = w->s;
-  const hk_stages_facet *m = s->method;
+  const hk_stages_facet *m = hk_sensitivity_method(s, step);
   const double h = step->h;
   size_t v = 3 * s->n;
   double *L = w->L, *dX = w->dX;
@@ -77,10 +88,16 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
     memcpy(L + 2 * v, w->u[k], v * sizeof *L);
     return HK_OK;
   }
-  hk_status status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
+  hk_status status = HK_OK;
+  if (hk_implicit_stage_is(m, k)) {
+    status = hk_implicit_stage_linearise(s, step, k, true);
+    if (status == HK_OK) status = hk_implicit_stage_pass(s, w->u[k]);
+    if (status != HK_OK) return status;
+  }
+  status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
   for (size_t e = 0; e < v; e++) {
     L[e] += dX[e];
-    L[v + e] += m->c[k] * h * dX[e] + dX[v + e];
+    L[v + e] += (m->c[k] - m->back) * h * dX[e] + dX[v + e];
   }
   for (size_t j = 0; j < k; j++)
     for (size_t e = 0; e < v; e++) w->u[j][e] += h * h * m->x[k][j] * dX[e] + h * m->v[k][j] * dX[v + e];
@@ -90,7 +107,7 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
 /* The points of the steps begin to end - 1, and the states after them where they are asked for. */
 static hk_status have_segment(adjoint *w, size_t begin, size_t end) {
   hk_sensitivity *s = w->s;
-  size_t size = 9 * s->n;
+  size_t size = s->wide;
   hk_status status = HK_OK;
   if (!w->segment && s->first == begin && s->taped == end - begin) return HK_OK;
   memcpy(w->Z, s->kept + begin / s->stride * size, size * sizeof *w->Z);
@@ -115,7 +132,9 @@ static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
     hk_sensitivity_rewind(s, i);
     if (after) status = s->source(s->source_context, s->step[i].t + s->step[i].h, after, w->L);
     depart(w, &s->step[i]);
-    for (size_t k = s->method->count; k-- > 0 && status == HK_OK;) status = stage_of(w, &s->step[i], k);
+    for (size_t k = hk_sensitivity_method(s, &s->step[i])->count; k-- > 0 && status == HK_OK;)
+      status = stage_of(w, &s->step[i], k);
+    pass_on(w, &s->step[i]);
   }
   return status;
 }
@@ -138,7 +157,7 @@ static void share(adjoint *w) {
   uint64_t chained = 0;
   if (w->count > 64) return;
   for (size_t j = 0; j < w->count; j++) chained |= (uint64_t)w->chained[j] << j;
-  double points = (double)s->steps * (double)s->method->count;
+  double points = (double)s->steps * (double)s->stages;
   double numbers = points * (double)w->count * 3 * (double)s->n;
   if (s->shared && s->shared_of == w->by && s->shared_count == w->count && s->shared_chained == chained) {
     w->kept = s->shared;
@@ -196,14 +215,14 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *s, double *X, const hk_varied *
                         "force '%s' states no exact Jacobian, which the derivative backwards needs: take it forwards, "
                         "by parameters",
                         s->inexact);
-  double *memory = calloc((9 + s->method->count + (s->source ? 2 * s->stride : 0)) * v, sizeof *memory);
+  double *memory = calloc(2 * s->wide + (3 + s->stages + (s->source ? 2 * s->stride : 0)) * v, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for an adjoint of %zu steps", s->steps);
   w.L = memory;
-  w.dX = memory + 3 * v;
-  w.own = memory + 5 * v;
-  for (size_t k = 0; k < s->method->count; k++) w.u[k] = memory + (6 + k) * v;
-  w.Z = memory + (6 + s->method->count) * v;
-  w.segment = s->source ? w.Z + 3 * v : NULL;
+  w.Z = memory + s->wide;
+  w.dX = w.Z + s->wide;
+  w.own = w.dX + 2 * v;
+  for (size_t k = 0; k < s->stages; k++) w.u[k] = w.own + (1 + k) * v;
+  w.segment = s->source ? w.own + (1 + s->stages) * v : NULL;
   hk_status status = all_steps(&w, X);
   hk_force_slopes_close(&w.by_forces, s->dynamics);
   free(w.chained);

@@ -6,6 +6,7 @@
  * each pair of numbers where they are not, along those alone that move. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/sensitivity/bend.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -169,6 +170,10 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *s, size_t first, size_t last,
                                    hk_error *error) {
   size_t v = 3 * s->n, columns = 2 * v + 2 * controls;
   hk_bend_pass w = {.s = s, .by = by, .v = v, .controls = controls, .columns = columns, .moves = moves, .H = H};
+  if (s->implicit)
+    return hk_error_set(error, HK_FAILED,
+                        "second derivatives are those of explicit steps alone: choose an explicit "
+                        "method, with --integrator");
   w.values = takes_values(s);
   hk_carried *Z = calloc(3 * v + 1, sizeof *Z);
   hk_status status = Z && reserve(&w, last - first) ? HK_OK : HK_NO_MEMORY;

@@ -1,6 +1,6 @@
 /* The record of a run's steps, and the steps taken again. */
 #include "core/engine/contract/contract.h"
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +26,7 @@ static hk_status refuse_kinds(const hk_loop *loop, hk_error *error) {
     if (loop->plugins->kind[kinds[k]].count)
       return hk_error_set(error, HK_FAILED,
                           "%s '%s' acts on the steps, and is not differentiated: leave it out (--without), or take "
-                          "forces in its place",
+                          "forces in its place, stiff ones with an implicit integrator",
                           hk_kind_name(kinds[k]), loop->plugins->kind[kinds[k]].item[0]->label);
   if (loop->state->model.riders)
     return hk_error_set(error, HK_FAILED, "the scene has rigid bodies, whose steps are not differentiated");
@@ -115,12 +115,20 @@ static void find_exact(hk_sensitivity *s) {
   }
 }
 
+static bool has_implicit(const hk_stages_facet *m) {
+  bool any = false;
+  for (size_t k = 0; k < m->count; k++) any |= hk_implicit_stage_is(m, k);
+  return any;
+}
+
 static hk_status reserve(hk_sensitivity *s) {
-  size_t v = 3 * s->n, stages = s->method->count;
+  size_t v = 3 * s->n, stages = s->stages;
   s->exact = calloc(s->loop->plugins->kind[HK_FORCE].count + 1, sizeof *s->exact);
   s->start = malloc((2 * v + 1) * sizeof *s->start);
   s->scratch = malloc(((5 + 3 * stages) * v + 1) * sizeof *s->scratch);
-  if (!s->exact || !s->start || !s->scratch) return HK_NO_MEMORY;
+  bool implicit = has_implicit(s->method) || (s->method->start && has_implicit(s->method->start));
+  if (implicit) s->implicit = hk_implicit_stage_create(s->n);
+  if (!s->exact || !s->start || !s->scratch || (implicit && !s->implicit)) return HK_NO_MEMORY;
   hk_sensitivity_untape(s);
   memcpy(s->start, s->loop->state->X, 2 * v * sizeof *s->start);
   return HK_OK;
@@ -136,9 +144,17 @@ hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *er
   s->dynamics = loop->dynamics;
   s->method = &hk_integrator_tables_of(loop->method)->stages;
   s->n = loop->state->model.n;
+  s->stages = s->method->count;
+  if (s->method->start && s->method->start->count > s->stages) s->stages = s->method->start->count;
+  s->wide = (s->method->back != 0 ? 15 : 9) * s->n;
   s->reached = loop->state->t;
   if (reserve(s) != HK_OK) return hk_error_set(error, HK_NO_MEMORY, "no memory for the record of steps");
   find_exact(s);
+  if (s->implicit && !s->all_exact)
+    return hk_error_set(error, HK_FAILED,
+                        "force '%s' states no exact Jacobian, by which steps of the implicit method '%s' are "
+                        "differentiated: choose an explicit one, with --integrator",
+                        s->inexact, loop->integrator->plugin->name);
   s->hooks = loop->hooks;
   loop->hooks =
       (hk_loop_hooks){.context = s, .frame = frame, .framed = framed, .moved = note_step, .now_and_then = now_and_then};
@@ -157,9 +173,9 @@ static size_t stride_of(size_t n, size_t steps, size_t stages) {
   return stride > 1 ? (size_t)stride : 1;
 }
 
-double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages) {
+double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages, size_t wide) {
   double stride = (double)stride_of(n, steps, stages), kept = ceil((double)steps / stride);
-  return (kept * 9 * (double)n + stride * (double)taped(n, stages)) * sizeof(double);
+  return (kept * (double)wide + stride * (double)taped(n, stages)) * sizeof(double);
 }
 
 /* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size. */
@@ -179,7 +195,7 @@ static double off_by(const double *X, const double *Y, size_t n) {
 }
 
 static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
-  size_t size = 9 * s->n;
+  size_t size = s->wide;
   hk_status status = HK_OK;
   memset(Z, 0, size * sizeof *Z);
   memcpy(Z, s->start, 6 * s->n * sizeof *Z);
@@ -193,10 +209,10 @@ static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
 
 hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   s->loop->hooks = s->hooks;
-  s->stride = stride_of(s->n, s->steps, s->method->count);
-  s->kept = malloc(((s->steps / s->stride + 1) * 9 * s->n + 1) * sizeof *s->kept);
-  s->tape = malloc((s->stride * taped(s->n, s->method->count) + 1) * sizeof *s->tape);
-  hk_carried *Z = malloc((9 * s->n + 1) * sizeof *Z);
+  s->stride = stride_of(s->n, s->steps, s->stages);
+  s->kept = malloc(((s->steps / s->stride + 1) * s->wide + 1) * sizeof *s->kept);
+  s->tape = malloc((s->stride * taped(s->n, s->stages) + 1) * sizeof *s->tape);
+  hk_carried *Z = malloc((s->wide + 1) * sizeof *Z);
   hk_status status = s->no_memory || !s->kept || !s->tape || !Z ? HK_NO_MEMORY : HK_OK;
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
@@ -206,8 +222,8 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,
                       "the steps, taken again, end elsewhere, by %.2g of the scene's size: its motion makes rounding "
-                      "that large, or something acts beside the forces; shorten the run (--at)",
-                      s->off);
+                      "that large, or something acts beside the forces; shorten the run (--at)%s",
+                      s->off, s->implicit ? ", or give the integrator a smaller tolerance" : "");
 }
 
 void hk_sensitivity_close(hk_sensitivity *s) {
@@ -219,6 +235,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->tape);
   free(s->shared);
   free(s->exact);
+  hk_implicit_stage_free(s->implicit);
   free(s->scratch);
   free(s);
 }

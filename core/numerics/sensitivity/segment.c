@@ -1,7 +1,7 @@
 /* The steps between two knots as a map of its own: from any state, not that of the run, with its derivatives by that
  * state and by the values of functions of time at the knots. What transcription makes its equations of (Bock and Plitt
  * 1984). */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,13 +9,14 @@
 typedef struct segment {
   hk_sensitivity *s;
   const hk_varied *by;
-  size_t controls, columns, apart; /* 6n of the state, then two of every function of time; 9n numbers each */
-  double begin, end;               /* s, of the knots */
+  size_t controls, columns,
+      apart;         /* 6n of the state, then two of every function of time; hk_sensitivity.wide numbers each */
+  double begin, end; /* s, of the knots */
   double *dZ, *stage, *a[HK_MOST_STAGES], *own;
 } segment;
 
 static void accelerations_of(const segment *w, size_t column, double *a[HK_MOST_STAGES]) {
-  for (size_t i = 0; i < w->s->method->count; i++) a[i] = w->a[i] + column * w->apart;
+  for (size_t i = 0; i < w->s->stages; i++) a[i] = w->a[i] + column * w->apart;
 }
 
 /* What the values at both knots do at the time of stage k. */
@@ -47,13 +48,18 @@ static hk_status stage_of(segment *w, const hk_taken_step *step, size_t k) {
   }
   if (!evaluates) return HK_OK;
   hk_status status = hk_sensitivity_products(s, &s->point[k], w->columns, w->apart, w->stage, w->a[k]);
-  return status == HK_OK ? add_controls(w, k) : status;
+  if (status == HK_OK) status = add_controls(w, k);
+  if (status != HK_OK || !hk_implicit_stage_is(hk_sensitivity_method(s, step), k)) return status;
+  status = hk_implicit_stage_linearise(s, step, k, false);
+  for (size_t j = 0; j < w->columns && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
+  return status;
 }
 
 static hk_status step_of(segment *w, const hk_taken_step *step, hk_carried *Z) {
   hk_sensitivity *s = w->s;
   hk_status status = hk_sensitivity_step(s, step, Z);
-  for (size_t k = 0; k < s->method->count && status == HK_OK && w->columns; k++) status = stage_of(w, step, k);
+  for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK && w->columns; k++)
+    status = stage_of(w, step, k);
   for (size_t j = 0; j < w->columns && status == HK_OK; j++) {
     double *a[HK_MOST_STAGES];
     accelerations_of(w, j, a);
@@ -74,15 +80,15 @@ static hk_status all_steps(segment *w, size_t first, size_t last, hk_carried *Z)
 
 hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, double *X, const hk_varied *by,
                                  size_t controls, double *J, hk_error *error) {
-  size_t v = 3 * s->n, size = 3 * v, columns = J ? 2 * v + 2 * controls : 0;
+  size_t v = 3 * s->n, size = s->wide, columns = J ? 2 * v + 2 * controls : 0;
   segment w = {.s = s, .by = by, .controls = controls, .columns = columns, .apart = size};
-  double *memory = calloc(size + (2 + s->method->count) * columns * size + v + 1, sizeof *memory);
+  double *memory = calloc(size + (2 + s->stages) * columns * size + v + 1, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
   double *Z = memory;
   w.dZ = Z + size;
   w.stage = w.dZ + columns * size;
-  for (size_t k = 0; k < s->method->count; k++) w.a[k] = w.stage + (k + 1) * columns * size;
-  w.own = w.stage + (s->method->count + 1) * columns * size;
+  for (size_t k = 0; k < s->stages; k++) w.a[k] = w.stage + (k + 1) * columns * size;
+  w.own = w.stage + (s->stages + 1) * columns * size;
   w.begin = s->step[first].t;
   w.end = s->step[last - 1].t + s->step[last - 1].h;
   memcpy(Z, X, 2 * v * sizeof *X);

@@ -33,8 +33,9 @@ typedef struct hk_stage_point {
   double *X, *a; /* 6n and 3n numbers */
 } hk_stage_point;
 
-/* x, v and the acceleration that the next step begins with, n x 3 each, of the state or of a tangent; of an adjoint the
- * derivatives by these. */
+/* x, v and the acceleration that the next step begins with, n x 3 each, of the state or of a tangent, and for methods
+ * of two steps x and v at the begin of the step before; of an adjoint the derivatives by these. hk_sensitivity.wide
+ * numbers. */
 typedef double hk_carried;
 
 /* A function of time, linear between values at equally spaced knots and constant beyond them. */
@@ -59,11 +60,15 @@ typedef struct hk_varied {
  * of every step, the last one first. A failure ends the adjoint with it. */
 typedef hk_status hk_adjoint_source(void *context, double t, const double *X, double *L);
 
+typedef struct hk_implicit_stage hk_implicit_stage; /* implicit_stage.h */
+
 typedef struct hk_sensitivity {
   hk_loop *loop;
   hk_dynamics *dynamics;
   const hk_stages_facet *method;
   size_t n, steps, room;
+  size_t stages; /* of a step, at most */
+  size_t wide;   /* numbers that are carried from step to step: 9n, or 15n */
   hk_taken_step *step;
   double reached;      /* s, the end of the last step */
   bool no_memory;      /* for the list of steps */
@@ -88,7 +93,8 @@ typedef struct hk_sensitivity {
   hk_adjoint_source *source; /* of a number that is no function of the last state alone: an integral; NULL: none */
   void *source_context;
   hk_stage_point point[HK_MOST_STAGES];
-  double *scratch; /* 15n, of products and differences; behind it the points of a step that is not taped */
+  hk_implicit_stage *implicit; /* NULL: the method has no implicit stage */
+  double *scratch;             /* 15n, of products and differences; behind it the points of a step that is not taped */
 } hk_sensitivity;
 
 /* ---- recording.c ---- */
@@ -100,12 +106,12 @@ hk_status hk_sensitivity_open(hk_loop *, hk_sensitivity **made, hk_error *);
 hk_status hk_sensitivity_finish(hk_sensitivity *, hk_error *);
 void hk_sensitivity_close(hk_sensitivity *);
 /* Bytes that the states take which an adjoint of so many steps of n particles keeps at a time. */
-double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages);
+double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages, size_t wide);
 
 /* ---- tangent.c, adjoint.c: after `finish` ---- */
 
 /* Called at the start and after every step, with the state at t and the tangents of all parameters (x, v: 6n each,
- * 9n apart). A failure ends the tangents with it. */
+ * `wide` apart). A failure ends the tangents with it. */
 typedef hk_status hk_sensitivity_watch(void *context, double t, const double *X, const double *tangents);
 
 /* The derivatives of the states by each parameter. */
@@ -139,7 +145,7 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *, size_t first, size_t last, 
 /* Adds the derivative by a function of time at t to those by its values at the knots beside. */
 void hk_knots_note(const hk_knots *, double t, double slope);
 
-/* ---- stages.c ---- */
+/* ---- retake.c ---- */
 
 /* Takes the steps first to last - 1 from Z to Z, and has their points on the tape, which has room for `stride`. */
 hk_status hk_sensitivity_record(hk_sensitivity *, size_t first, size_t last, hk_carried *Z);
@@ -149,7 +155,13 @@ void hk_sensitivity_rewind(hk_sensitivity *, size_t step);
 void hk_sensitivity_untape(hk_sensitivity *);
 /* Takes a step from Z to Z, and keeps its points. */
 hk_status hk_sensitivity_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z);
-/* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before. */
+
+/* ---- stages.c ---- */
+
+/* The stages of a step. */
+const hk_stages_facet *hk_sensitivity_method(const hk_sensitivity *, const hk_taken_step *);
+/* Sets the x and v of stage k of a step from Z, by the accelerations in `a` of the stages before; its own terms, where
+ * it is implicit, are left out. */
 void hk_sensitivity_stage(const hk_sensitivity *, const hk_taken_step *, size_t k, const hk_carried *Z,
                           double *const a[HK_MOST_STAGES], double *X);
 void hk_sensitivity_arrive(const hk_sensitivity *, const hk_taken_step *, double *const a[HK_MOST_STAGES],

@@ -1,5 +1,5 @@
 /* Tangents: the derivative of each step, one after the other, for all parameters at once. */
-#include "core/numerics/sensitivity/sensitivity.h"
+#include "core/numerics/sensitivity/implicit_stage.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -7,10 +7,10 @@
 typedef struct tangents {
   hk_sensitivity *s;
   const hk_varied *by;
-  size_t count, apart;       /* of parameters; numbers of one, 9n */
+  size_t count, apart;       /* of parameters; numbers of one */
   hk_carried *Z, *dZ;        /* of the state, and of every parameter */
-  double *stage;             /* 9n of every parameter: the change of the stage's x and v, unused, */
-  double *a[HK_MOST_STAGES]; /* 9n of every parameter, of which the first 3n are the change of the acceleration */
+  double *stage;             /* of every parameter: the change of the stage's x and v, unused, */
+  double *a[HK_MOST_STAGES]; /* of every parameter, of which the first 3n are the change of the acceleration */
   double *own;               /* 3n, da/dp */
 } tangents;
 
@@ -19,7 +19,7 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
   size_t v = 3 * s->n;
   for (size_t j = 0; j < w->count; j++) {
     double *a[HK_MOST_STAGES], *dZ = w->dZ + j * w->apart;
-    for (size_t i = 0; i < s->method->count; i++) a[i] = w->a[i] + j * w->apart;
+    for (size_t i = 0; i < s->stages; i++) a[i] = w->a[i] + j * w->apart;
     if (!hk_sensitivity_evaluates(s, step, k)) memcpy(a[k], dZ + 2 * v, v * sizeof *dZ);
     hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
   }
@@ -29,16 +29,19 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
     status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
     for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
   }
+  if (status != HK_OK || !hk_implicit_stage_is(hk_sensitivity_method(s, step), k)) return status;
+  status = hk_implicit_stage_linearise(s, step, k, false);
+  for (size_t j = 0; j < w->count && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
   return status;
 }
 
 static hk_status step_of(tangents *w, const hk_taken_step *step) {
   hk_sensitivity *s = w->s;
   hk_status status = hk_sensitivity_step(s, step, w->Z);
-  for (size_t k = 0; k < s->method->count && status == HK_OK; k++) status = stage_of(w, step, k);
+  for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK; k++) status = stage_of(w, step, k);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double *a[HK_MOST_STAGES];
-    for (size_t i = 0; i < s->method->count; i++) a[i] = w->a[i] + j * w->apart;
+    for (size_t i = 0; i < s->stages; i++) a[i] = w->a[i] + j * w->apart;
     hk_sensitivity_arrive(s, step, a, w->dZ + j * w->apart);
   }
   return status;
@@ -59,15 +62,15 @@ static hk_status all_steps(tangents *w, hk_sensitivity_watch *watch, void *conte
 
 hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t count, hk_sensitivity_watch *watch,
                                   void *context, hk_error *error) {
-  tangents w = {.s = s, .by = by, .count = count, .apart = 9 * s->n};
+  tangents w = {.s = s, .by = by, .count = count, .apart = s->wide};
   size_t all = w.apart * count;
-  double *memory = calloc(w.apart + (2 + s->method->count) * all + 3 * s->n, sizeof *memory);
+  double *memory = calloc(w.apart + (2 + s->stages) * all + 3 * s->n, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu tangents", count);
   w.Z = memory;
   w.dZ = w.Z + w.apart;
   w.stage = w.dZ + all;
-  for (size_t k = 0; k < s->method->count; k++) w.a[k] = w.stage + (k + 1) * all;
-  w.own = w.stage + (s->method->count + 1) * all;
+  for (size_t k = 0; k < s->stages; k++) w.a[k] = w.stage + (k + 1) * all;
+  w.own = w.stage + (s->stages + 1) * all;
   hk_sensitivity_untape(s);
   hk_status status = all_steps(&w, watch, context);
   free(memory);

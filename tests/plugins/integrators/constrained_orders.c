@@ -198,9 +198,7 @@ static void swing(test_engine *e, int64_t copies) {
 static void open_problem(test_engine *e, const problem *p, const char *method, int64_t copies, double tol) {
   test_engine_open(e);
   p->build(e, copies);
-  hk_plugin_spec *integrator = test_plugin(e, HK_INTEGRATOR, method);
-  for (const hk_param *q = integrator->plugin->params; q && q->name; q++)
-    if (strcmp(q->name, "tolerance") == 0) test_number(e, integrator, "tolerance", 1e-12);
+  test_exact_integrator(e, method);
   e->options.tol = tol;
   e->scene->duration = p->T;
 }

@@ -182,6 +182,8 @@ static void facets_of_methods_are_checked(void **state) {
       {"adaptive/1", "hk_adaptive_facet", "its hk_adaptive_facet has no 'tolerance', which it must have"},
       {"stages/1", "hk_stages_facet", "its facet 'stages/1' has 0 stages, and 1 to 4 are possible"},
       {"stages/1", "hk_stages_facet,.count=5", "its facet 'stages/1' has 5 stages, and 1 to 4 are possible"},
+      {"stages/1", "hk_stages_facet,.count=1,.v={{1}}", "its facet 'stages/1' has 0 and 1 on the diagonals of x and v"},
+      {"stages/1", "hk_stages_facet,.count=1,.back=0.5", "its facet 'stages/1' goes on from two states, and has no"},
   };
   char macros[512];
   for (size_t k = 0; k < sizeof faults / sizeof *faults; k++) {

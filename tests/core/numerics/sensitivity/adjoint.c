@@ -1,6 +1,7 @@
 /* The adjoint is the transpose of the tangents, up to rounding, whatever the number of steps between states kept. */
 #include "tests/support/varied_scenes.h"
 
+#include <complex.h>
 #include <float.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,7 @@ static double mismatch_of(varied_scene *scene, size_t n, const char *method, siz
   varied_open(&r, scene, method, start, VARIED_PARAMETERS, 2e-3);
   varied_run(&r, 0.402);
   if (stride) varied_keep(&r, stride);
-  varied_tangents kept = {.numbers = VARIED_PARAMETERS * 9 * n, .n = n};
+  varied_tangents kept = {.numbers = VARIED_PARAMETERS * r.s->wide, .n = n};
   hk_error error = {0};
   assert_int_equal(hk_sensitivity_tangents(r.s, r.by, VARIED_PARAMETERS, varied_keep_tangents, &kept, &error), HK_OK);
   for (size_t e = 0; e < 6 * n; e++) back[e] = w[e] = cos(2.3 * (double)e);
@@ -31,8 +32,8 @@ static double mismatch_of(varied_scene *scene, size_t n, const char *method, siz
   for (size_t k = 0; k < VARIED_PARAMETERS; k++) {
     double sum = 0, size = 0;
     for (size_t e = 0; e < 6 * n; e++) {
-      sum += w[e] * kept.last[9 * n * k + e];
-      size += fabs(w[e] * kept.last[9 * n * k + e]);
+      sum += w[e] * kept.last[r.s->wide * k + e];
+      size += fabs(w[e] * kept.last[r.s->wide * k + e]);
     }
     worst = fmax(worst, fabs(sum - slope[k]) / size / (k < VARIED_PARAMETERS - 1 ? of_differences : of_transpose));
   }
@@ -44,7 +45,7 @@ static double mismatch(const char *method, size_t stride) { return mismatch_of(v
 
 static void adjoint_is_the_transpose_of_the_tangents(void **state) {
   (void)state;
-  for (size_t m = 0; m < VARIED_METHODS; m++) {
+  for (size_t m = 0; m < VARIED_ALL; m++) {
     double off = mismatch(varied_method[m], 0);
     if (!(off < 1)) fail_msg("%s: %g", varied_method[m], off);
   }
@@ -55,6 +56,7 @@ static void states_kept_in_place_of_points_change_nothing(void **state) {
   assert_true(mismatch("leapfrog", 3) < 1);
   assert_true(mismatch("leapfrog", 14) < 1);
   assert_true(mismatch("rk4", 40) < 1);
+  assert_true(mismatch("bdf2", 14) < 1);
 }
 
 /* A chain whose springs, drag and gravity have numbers of their own each, through masses that are all others: no scene
@@ -155,7 +157,7 @@ static void derivatives_by_forces_are_those_between_scenes(void **state) {
   (void)state;
   varied_scene *const scenes[] = {chain, chain_and_flow, flesh, cloth, fabric, rubber};
   for (int which = 0; which < 6; which++)
-    for (size_t m = 0; m < VARIED_METHODS; m++) {
+    for (size_t m = 0; m < VARIED_ALL; m++) {
       double off = mismatch_of(scenes[which], which < 3 ? 6 : 5, varied_method[m], 0);
       if (!(off < 1)) fail_msg("%d, %s: %g", which, varied_method[m], off);
     }
@@ -182,6 +184,29 @@ static void adjoint_gives_the_derivative_by_the_start(void **state) {
   double exact = -0.1 * N * sin(N * a) * h * h / (2 * sin(a));
   assert_true(fabs(slope - exact) < 1e-9 * fabs(exact));
   varied_close(&r);
+}
+
+/* Of backward Euler x_N = Re (R^N (x - i v/w)), R = 1/(1 - i h w), of the implicit midpoint rule R = (1 + i h w/2)/(1 -
+ * i h w/2). The strength w^2 is compared between scenes. */
+static void adjoint_of_implicit_steps_has_the_closed_form(void **state) {
+  (void)state;
+  enum { N = 150 };
+  const double h = 0.01, w = sqrt(40);
+  for (int midpoint = 0; midpoint < 2; midpoint++) {
+    double complex part = I * h * (midpoint ? 0.5 : 1), up = midpoint ? 1 + part * w : 1, down = 1 - part * w;
+    double complex R = cpow(up / down, N), by_w = N * R * ((midpoint ? part / up : 0) + part / down);
+    varied_runs r;
+    varied_open(&r, oscillator, midpoint ? "implicit_midpoint" : "backward_euler", (double[]){40, 1, 1, 1}, 1, h);
+    varied_run(&r, N * h);
+    double X[6] = {1}, slope;
+    hk_error error = {0};
+    assert_int_equal(hk_sensitivity_adjoint(r.s, X, r.by, 1, &slope, &error), HK_OK);
+    assert_true(fabs(X[0] - creal(R)) < 1e-12);
+    assert_true(fabs(X[3] - cimag(R) / w) < 1e-12);
+    double exact = 0.1 * creal(by_w) / (2 * w);
+    assert_true(fabs(slope - exact) < 1e-9 * fabs(exact));
+    varied_close(&r);
+  }
 }
 
 /* Further adjoints of a run take derivatives by parameters from the first one: of twice a number they are twice as
@@ -232,6 +257,7 @@ int main(void) {
       cmocka_unit_test(states_kept_in_place_of_points_change_nothing),
       cmocka_unit_test(derivatives_by_forces_are_those_between_scenes),
       cmocka_unit_test(adjoint_gives_the_derivative_by_the_start),
+      cmocka_unit_test(adjoint_of_implicit_steps_has_the_closed_form),
       cmocka_unit_test(further_adjoints_are_those_of_a_first_one),
       cmocka_unit_test(knots_share_the_derivative_by_a_number),
   };

@@ -8,11 +8,11 @@
 
 static const double start[VARIED_PARAMETERS] = {50, 0.7, 2, 0.3};
 
-/* 200 steps add up roundings of 1e-16 each. The length of a step changes on the way, and an acceleration that leapfrog
- * carries over is then evaluated anew. */
+/* 200 steps add up roundings of 1e-16 each, and those of implicit methods algebraic errors of up to 1e-12 m/s. The
+ * length of a step changes on the way, and an acceleration that leapfrog carries over is then evaluated anew. */
 static void steps_taken_again_are_those_of_the_method(void **state) {
   (void)state;
-  for (size_t m = 0; m < VARIED_METHODS; m++) {
+  for (size_t m = 0; m < VARIED_ALL; m++) {
     varied_runs r;
     varied_open(&r, varied_tetrahedron, varied_method[m], start, 0, 2e-3);
     varied_run(&r, 0.4013);
@@ -21,7 +21,7 @@ static void steps_taken_again_are_those_of_the_method(void **state) {
     hk_error error = {0};
     assert_int_equal(hk_sensitivity_tangents(r.s, r.by, 0, varied_keep_tangents, &kept, &error), HK_OK);
     for (size_t e = 0; e < 24; e++)
-      if (!(fabs(kept.X[e] - r.base.run->state.X[e]) < 1e-13))
+      if (!(fabs(kept.X[e] - r.base.run->state.X[e]) < (m < VARIED_METHODS ? 1e-13 : 200e-12)))
         fail_msg("%s: %g", varied_method[m], kept.X[e] - r.base.run->state.X[e]);
     varied_close(&r);
   }

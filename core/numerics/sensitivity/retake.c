@@ -1,0 +1,54 @@
+/* Steps taken again, with their points on the tape. */
+#include "core/numerics/sensitivity/implicit_stage.h"
+
+#include <string.h>
+
+static void put_points(hk_sensitivity *s, double *at) {
+  for (size_t k = 0; k < s->stages; k++) {
+    s->point[k].X = at + 9 * s->n * k;
+    s->point[k].a = s->point[k].X + 6 * s->n;
+  }
+}
+
+void hk_sensitivity_untape(hk_sensitivity *s) { put_points(s, s->scratch + 15 * s->n); }
+
+void hk_sensitivity_rewind(hk_sensitivity *s, size_t step) {
+  const hk_taken_step *taken = &s->step[step];
+  const hk_stages_facet *m = hk_sensitivity_method(s, taken);
+  put_points(s, s->tape + (step - s->first) * s->stages * 9 * s->n);
+  for (size_t k = 0; k < m->count; k++) s->point[k].t = taken->t + m->c[k] * taken->h;
+}
+
+hk_status hk_sensitivity_record(hk_sensitivity *s, size_t first, size_t last, hk_carried *Z) {
+  hk_status status = HK_OK;
+  s->first = first;
+  s->taped = 0;
+  for (size_t i = first; i < last && status == HK_OK; i++) {
+    hk_sensitivity_rewind(s, i);
+    status = hk_sensitivity_step(s, &s->step[i], Z);
+    s->taped += status == HK_OK;
+  }
+  return status;
+}
+
+/* ---- a step ---- */
+
+hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_carried *Z) {
+  const hk_stages_facet *m = hk_sensitivity_method(s, step);
+  double *a[HK_MOST_STAGES];
+  size_t v = 3 * s->n;
+  for (size_t k = 0; k < m->count; k++) {
+    hk_stage_point *p = &s->point[k];
+    p->t = step->t + m->c[k] * step->h;
+    a[k] = hk_sensitivity_evaluates(s, step, k) ? p->a : Z + 2 * v; /* which is overwritten when all is added */
+    if (a[k] != p->a) continue;
+    hk_sensitivity_stage(s, step, k, Z, a, p->X);
+    bool implicit = hk_implicit_stage_is(m, k);
+    if (implicit) memcpy(p->a, k > 0 ? a[k - 1] : Z + 2 * v, v * sizeof *Z); /* a guess */
+    hk_status status = implicit ? hk_implicit_stage_settle(s, step, k, p->X, p->a)
+                                : hk_sensitivity_evaluate(s->dynamics, p->t, p->X, p->a);
+    if (status != HK_OK) return status;
+  }
+  hk_sensitivity_arrive(s, step, a, Z);
+  return hk_dynamics_impose(s->dynamics, step->t + step->h, Z, Z + v);
+}
