@@ -54,7 +54,8 @@ end
 -- o.goals: those of the command line at o.at, or those of the scene; o.at: when all is over. measures: at the start. Or nil and
 -- what is wrong.
 function asked.choose_goals(o, explained, measures)
-  if #o.goals > 0 then
+  o.goals_named = #o.goals > 0
+  if o.goals_named then
     for _, goal in ipairs(o.goals) do goal.at = o.at or explained.duration end
   else o.goals = explained.goals end
   o.cost = explained.cost
@@ -73,6 +74,27 @@ function asked.choose_goals(o, explained, measures)
     goal.scale, last = math.max(math.abs(start), math.abs(goal.value - start)), math.max(last, goal.at)
   end
   o.at = last > 0 and last or o.at or explained.duration
+  return true
+end
+
+-- o.stages of --through NAME=VALUE,VALUE: the scene's params and goals at each of these values; or nil and what is wrong.
+-- explain(params) -> what the scene is with these, or nil and why.
+function asked.choose_stages(o, explain)
+  if not o.through then return true end
+  local name, values = o.through:match("^%s*([%w_]+)%s*=%s*(.+)$")
+  if not name then return nil, ("--through: '%s' is not PARAMETER=NUMBER,NUMBER"):format(o.through) end
+  o.stages = {}
+  for text in (values .. ","):gmatch("%s*([^,]*),") do
+    local number = tonumber(text)
+    if not number or number - number ~= 0 then return nil, ("--through: '%s' is not a number"):format(text) end
+    local params = { [name] = text }
+    for key, value in pairs(o.params) do params[key] = params[key] or value end
+    local explained, why = explain(params)
+    if not explained then return nil, "--through: " .. why end
+    local goals = o.goals_named and o.goals or explained.goals
+    if #goals ~= #o.goals then return nil, ("--through: with %s=%s the scene has other goals"):format(name, text) end
+    o.stages[#o.stages + 1] = { params = params, goals = goals, words = name .. "=" .. text }
+  end
   return true
 end
 

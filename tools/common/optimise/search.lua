@@ -57,7 +57,7 @@ end
 -- ---- by transcription ----
 
 -- Every goal with the knot at which it is; or nil and why transcription cannot take these.
-local function goals_at_knots(o, controls)
+local function goals_at_knots(o, controls, goals)
   local first, list = controls[1], {}
   if o.cost then return nil, "--way transcription: the cost is the controls' squares; scene:cost() is for shooting" end
   for _, control in ipairs(controls) do
@@ -68,7 +68,7 @@ local function goals_at_knots(o, controls)
   if first.duration > o.at then
     return nil, ("--way transcription: %s goes on to %.9g s, after the last goal at %.9g s"):format(first.name, first.duration, o.at)
   end
-  for g, goal in ipairs(o.goals) do
+  for g, goal in ipairs(goals) do
     local place = goal.at / first.duration * (#first.values - 1)
     local knot = math.floor(place + 0.5)
     if math.abs(place - knot) > 1e-6 or knot > #first.values - 1 then
@@ -90,28 +90,52 @@ local function bounds_of(controls)
   end }
 end
 
--- As optimum_from below.
-local function transcribed(o, controls, u, note, negligible)
-  local goals, why = goals_at_knots(o, controls)
+-- One search by transcription: of the scene with these params and goals, from controls u and states `nodes` (nil: those of --guess).
+local function transcribed_with(o, controls, u, nodes, note, asked_for)
+  local goals, why = goals_at_knots(o, controls, asked_for.goals)
   if not goals then return nil, why end
-  local words = ("transcription %d %s"):format(#u, o.dt or "")
+  local words = ("transcription %d %s %s %s"):format(#u, o.dt or "", o.guess, asked_for.words)
   local saved = o.memory:saved(words, u)
   o.dt = saved and saved.dt or o.dt
   local first, count = controls[1], #controls[1].values
-  local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, options = { start = u, saved = saved,
-    interval = first.duration / (count - 1), knots = count, controls = #controls, goals = goals, negligible = negligible,
-    bounds = bounds_of(controls), most = o.most, tolerance = o.tolerance,
-    save = function(state) o.memory:save(words, u, state) end,
-    note = function(iteration, now, missing, values)
-      note(iteration, now, missing)
-      o.keep(with_values(controls, values))
-    end } }
-  for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+  local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, params = asked_for.params,
+    options = { start = u, saved = saved, nodes = nodes, guess = o.guess, interval = first.duration / (count - 1), knots = count,
+      controls = #controls, goals = goals, negligible = asked_for.negligible, bounds = bounds_of(controls), most = o.most,
+      tolerance = o.tolerance, save = function(state) o.memory:save(words, u, state) end,
+      note = function(iteration, now, missing, values)
+        note(iteration, now, missing)
+        o.keep(with_values(controls, values))
+      end } }
+  for _, key in ipairs { "scene", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
   local result = segments.minimise(case)
-  local optimum = result.optimum
   why = result.contradiction and asked.contradiction(o, result.contradiction) or result.failed
-  if not optimum then return nil, why end
+  if not result.optimum then return nil, why end
   o.dt = o.dt or result.dt
+  return result.optimum
+end
+
+-- The optima of the scene at the values of --through, each from the controls and states of the one before: controls, states and
+-- iterations of the last; or nil and why there is none.
+local function led_through(o, controls, u, note, negligible)
+  local nodes, iterations = nil, 0
+  for _, stage in ipairs(o.stages or {}) do
+    local optimum, why = transcribed_with(o, controls, u, nodes, note, { params = stage.params, goals = stage.goals, words = stage.words,
+      negligible = negligible })
+    if optimum and optimum.ended ~= "converged" then why = "it ended after " .. optimum.ended end
+    if not optimum or optimum.ended ~= "converged" then return nil, ("--through: %s: %s"):format(stage.words, why) end
+    u, nodes, iterations = optimum.u, optimum.nodes, iterations + optimum.iterations
+  end
+  return u, nodes, iterations
+end
+
+-- As optimum_from below.
+local function transcribed(o, controls, u, note, negligible)
+  local start, nodes, iterations = led_through(o, controls, u, note, negligible)
+  if not start then return nil, nodes end
+  local optimum, why = transcribed_with(o, controls, start, nodes, note, { params = o.params, goals = o.goals, words = "",
+    negligible = negligible })
+  if not optimum then return nil, why end
+  optimum.iterations = optimum.iterations + iterations
   local found = evaluate(o, controls, optimum.u, { gradient = false })
   if found.failed then return nil, found.failed end
   optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
@@ -182,9 +206,10 @@ end
 -- The optimum with more knots, o.refine times; levels: the costs, the first with the scene's own.
 local function with_more_knots(o, optimum, bar)
   local levels = { { knots = #optimum.controls[1].values, cost = optimum.cost } }
+  local from_here = setmetatable({ stages = false, guess = "run" }, { __index = o })
   for level = 1, o.refine do
     local controls = refined(optimum.controls)
-    local finer, why = optimum_from(o, controls, values_of(controls), function(iteration, now)
+    local finer, why = optimum_from(from_here, controls, values_of(controls), function(iteration, now)
       bar:add { note = ("knots %d times closer, iteration %d, cost %.6g"):format(2 ^ level, iteration, now) }
     end)
     if not finer then
