@@ -37,7 +37,7 @@ local function parser()
     :choices { "shooting", "transcription" }:default("shooting")
   p:option("--guess", "of transcription, of the states at knots: those of the run, or that the scene stands still")
     :choices { "run", "still" }:default("run")
-  p:option("--through", "of transcription: PARAMETER=NUMBER,NUMBER: first the optima at these values, each from the one before")
+  p:option("--through", "of transcription: PARAMETER=FROM,...,TO: the optimum at TO by way of the others, each from those before")
   p:option("--most", "iterations, of each start"):default("100"):convert(command_line.whole("--most"))
   p:option("--tolerance", "of the controls, relative"):default("1e-7"):convert(command_line.positive("--tolerance"))
   p:option("--accuracy", "how far the independent method may miss a goal, relative"):default("1e-3")
@@ -66,6 +66,8 @@ local function options()
   if o.way ~= "transcription" and (o.guess ~= "run" or o.through) then
     return nil, "--guess and --through are for --way transcription"
   end
+  fine, why = asked.read_through(o)
+  if not fine then return nil, why end
   o.goals, why = asked.goals(o.goal)
   if not o.goals then return nil, why end
   o.independent = independent

@@ -150,9 +150,9 @@ return scene
 local led = 12 / 8 + 2 -- rest to rest, and as much force against what carries it off
 cost, iterations, text = optimum("led.lua --way transcription --guess still")
 assert(math.abs(cost - led) < 1e-10 and iterations == 1, text)
-cost, iterations, text = optimum("led.lua --way transcription --guess still --through far=0,0.5")
+cost, iterations, text = optimum("led.lua --way transcription --guess still --through far=0,0.5,1")
 assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
-refused("led.lua far=1 --way transcription --through fat=1", "--through: ")
+refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
 
 -- ---- what is refused ----
 
@@ -163,7 +163,7 @@ refused("asked.lua --way transcription", "control 'push': the script asks for it
 refused("push.lua --goal x=1 --guess still", "--guess and --through are for --way transcription")
 refused("push.lua --goal x=1 --way transcription --through k", "--through: 'k' is not PARAMETER=NUMBER,NUMBER")
 refused("push.lua --goal x=1 --way transcription --through k=1,b", "--through: 'b' is not a number")
-refused("push.lua --goal x=1 --way transcription --through q=1", "--through: ")
+refused("push.lua --goal x=1 --way transcription --through k=1,1", "--through: 1 is there twice")
 refused("push.lua", "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER")
 refused("push.lua --goal x", "--goal: 'x' is not MEASURE=NUMBER")
 refused("push.lua --goal x=nan", "--goal: 'x=nan' is not MEASURE=NUMBER")

@@ -77,23 +77,35 @@ function asked.choose_goals(o, explained, measures)
   return true
 end
 
--- o.stages of --through NAME=VALUE,VALUE: the scene's params and goals at each of these values; or nil and what is wrong.
--- explain(params) -> what the scene is with these, or nil and why.
-function asked.choose_stages(o, explain)
+-- o.through, "PARAMETER=NUMBER,NUMBER,...", as { name =, numbers = }; the last number is the scene's. Or nil and what is wrong.
+function asked.read_through(o)
   if not o.through then return true end
-  local name, values = o.through:match("^%s*([%w_]+)%s*=%s*(.+)$")
+  local name, words = o.through:match("^%s*([%w_]+)%s*=%s*(.+)$")
   if not name then return nil, ("--through: '%s' is not PARAMETER=NUMBER,NUMBER"):format(o.through) end
-  o.stages = {}
-  for text in (values .. ","):gmatch("%s*([^,]*),") do
+  if o.params[name] then return nil, ("--through: %s is given already; the last number of --through is what it becomes"):format(name) end
+  local numbers = {}
+  for text in (words .. ","):gmatch("%s*([^,]*),") do
     local number = tonumber(text)
     if not number or number - number ~= 0 then return nil, ("--through: '%s' is not a number"):format(text) end
-    local params = { [name] = text }
+    if number == numbers[#numbers] then return nil, ("--through: %s is there twice"):format(text) end
+    numbers[#numbers + 1] = number
+  end
+  o.params[name], o.through = ("%.17g"):format(numbers[#numbers]), { name = name, numbers = numbers }
+  return true
+end
+
+-- o.stages: { params, goals, words, number } at every number of --through; explain(params) -> what the scene is with these, or nil
+-- and why. Or nil and what is wrong.
+function asked.choose_stages(o, explain)
+  o.stages = {}
+  for k, number in ipairs(o.through and o.through.numbers or {}) do
+    local params, text = { [o.through.name] = ("%.17g"):format(number) }, ("%s=%.9g"):format(o.through.name, number)
     for key, value in pairs(o.params) do params[key] = params[key] or value end
     local explained, why = explain(params)
     if not explained then return nil, "--through: " .. why end
     local goals = o.goals_named and o.goals or explained.goals
-    if #goals ~= #o.goals then return nil, ("--through: with %s=%s the scene has other goals"):format(name, text) end
-    o.stages[#o.stages + 1] = { params = params, goals = goals, words = name .. "=" .. text }
+    if #goals ~= #o.goals then return nil, ("--through: with %s the scene has other goals"):format(text) end
+    o.stages[k] = { params = params, goals = goals, words = text, number = number }
   end
   return true
 end

@@ -114,28 +114,48 @@ local function transcribed_with(o, controls, u, nodes, note, asked_for)
   return result.optimum
 end
 
--- The optima of the scene at the values of --through, each from the controls and states of the one before: controls, states and
--- iterations of the last; or nil and why there is none.
+-- b, or where it comes to by `part` of the way from a to it.
+local function beyond(a, b, part)
+  local list = {}
+  for k = 1, #b do list[k] = type(b[k]) == "table" and beyond(a[k], b[k], part) or b[k] + part * (b[k] - a[k]) end
+  return list
+end
+
+-- The guess at `number` from the optima before: the last one's controls and states, or those on the line through the last two
+-- (Allgower and Georg, Introduction to numerical continuation methods, 2003, 2.2: the secant as a predictor).
+local function predicted(before, last, number)
+  if not before then return last.u, last.nodes end
+  local part = (number - last.number) / (last.number - before.number)
+  return beyond(before.u, last.u, part), beyond(before.nodes, last.nodes, part)
+end
+
+-- The optimum at the last number of --through by way of the others: each search begins at what those before it let expect.
 local function led_through(o, controls, u, note, negligible)
-  local nodes, iterations = nil, 0
-  for _, stage in ipairs(o.stages or {}) do
-    local optimum, why = transcribed_with(o, controls, u, nodes, note, { params = stage.params, goals = stage.goals, words = stage.words,
-      negligible = negligible })
-    if optimum and optimum.ended ~= "converged" then why = "it ended after " .. optimum.ended end
-    if not optimum or optimum.ended ~= "converged" then return nil, ("--through: %s: %s"):format(stage.words, why) end
-    u, nodes, iterations = optimum.u, optimum.nodes, iterations + optimum.iterations
+  local before, last, iterations, nodes = nil, nil, 0, nil
+  for k, stage in ipairs(o.stages) do
+    if last then u, nodes = predicted(before, last, stage.number) end
+    local optimum, why = transcribed_with(o, controls, u, nodes, note, { params = stage.params, goals = stage.goals,
+      words = stage.words, negligible = negligible })
+    if not optimum then return nil, ("--through: %s: %s"):format(stage.words, why) end
+    iterations = iterations + optimum.iterations
+    if optimum.ended ~= "converged" and k < #o.stages then
+      return nil, ("--through: %s: it ended after %s: numbers that are closer"):format(stage.words, optimum.ended)
+    end
+    before, last, optimum.number = last, optimum, stage.number
   end
-  return u, nodes, iterations
+  last.iterations = iterations
+  return last
 end
 
 -- As optimum_from below.
 local function transcribed(o, controls, u, note, negligible)
-  local start, nodes, iterations = led_through(o, controls, u, note, negligible)
-  if not start then return nil, nodes end
-  local optimum, why = transcribed_with(o, controls, start, nodes, note, { params = o.params, goals = o.goals, words = "",
-    negligible = negligible })
+  local optimum, why
+  if o.stages and #o.stages > 0 then optimum, why = led_through(o, controls, u, note, negligible)
+  else
+    optimum, why = transcribed_with(o, controls, u, nil, note, { params = o.params, goals = o.goals, words = "",
+      negligible = negligible })
+  end
   if not optimum then return nil, why end
-  optimum.iterations = optimum.iterations + iterations
   local found = evaluate(o, controls, optimum.u, { gradient = false })
   if found.failed then return nil, found.failed end
   optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
