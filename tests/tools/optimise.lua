@@ -154,6 +154,23 @@ cost, iterations, text = optimum("led.lua --way transcription --guess still --th
 assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
 refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
 
+-- ---- bounds that a guess of 0 touches, and knots that are closer than the scene's steps ----
+
+-- A rocket falls 5 m from rest and lands in 2 s: a push of 0 at least, of which the first guess is at the bound. Without the bound it
+-- is rest to rest against g, 2 g^2 + 12 25/8 with a force of g - 7.5 + 7.5 t: inside.
+write("rocket.lua", [[
+local scene = hooke.scene { duration = 2, fps = 10, integrator = "rk4", dt = 0.1 }
+local push = scene:control("push", { knots = 11, min = 0, max = 20 })
+local p = scene:particle { position = { 0, 0, 5 } }
+scene:force("field", { f = function(t) return 0, 0, push(t) - 9.81 end })
+scene:goal { particle = p, position = { 0, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+for _, way in ipairs { "shooting", "transcription" } do
+  cost, text = cost_of("rocket.lua --refine 2 --way " .. way) -- 41 knots 0.05 s apart, steps of 0.1 s
+  assert(math.abs(cost - 2 * 9.81 ^ 2 - 37.5) < 1e-9 * cost and text:find("steps of 0.05 s", 1, true), text)
+end
+
 -- ---- what is refused ----
 
 write("asked.lua", (read("bounded.lua"):gsub("return push%(t%), 0, 0", "return push(t) + now, 0, 0")

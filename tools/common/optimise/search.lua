@@ -229,6 +229,9 @@ local function with_more_knots(o, optimum, bar)
   local from_here = setmetatable({ stages = false, guess = "run" }, { __index = o })
   for level = 1, o.refine do
     local controls = refined(optimum.controls)
+    local interval = controls[1].duration / (#controls[1].values - 1)
+    for _, control in ipairs(controls) do interval = math.min(interval, control.duration / (#control.values - 1)) end
+    if from_here.dt and from_here.dt > interval then from_here.dt = interval end -- what is within a step no step can follow
     local finer, why = optimum_from(from_here, controls, values_of(controls), function(iteration, now)
       bar:add { note = ("knots %d times closer, iteration %d, cost %.6g"):format(2 ^ level, iteration, now) }
     end)
@@ -237,7 +240,7 @@ local function with_more_knots(o, optimum, bar)
       break
     end
     finer.starts = optimum.starts
-    optimum = finer
+    optimum, o.dt = finer, from_here.dt
     levels[#levels + 1] = { knots = #controls[1].values, cost = finer.cost }
   end
   optimum.levels = levels
