@@ -35,6 +35,9 @@ local function parser()
   end
   p:option("--way", "shooting: the values of the controls are unknown; transcription: those and all states at knots")
     :choices { "shooting", "transcription" }:default("shooting")
+  p:option("--guess", "of transcription, of the states at knots: those of the run, or that the scene stands still")
+    :choices { "run", "still" }:default("run")
+  p:option("--through", "of transcription: PARAMETER=FROM,...,TO: the optimum at TO by way of the others, each from those before")
   p:option("--most", "iterations, of each start"):default("100"):convert(command_line.whole("--most"))
   p:option("--tolerance", "of the controls, relative"):default("1e-7"):convert(command_line.positive("--tolerance"))
   p:option("--accuracy", "how far the independent method may miss a goal, relative"):default("1e-3")
@@ -51,14 +54,19 @@ end
 
 -- What hooke.optimise{} of a script may say.
 local fields = { scene = "scene", params = "params", goal = "numbers", by = "list", without = "list", at = "option",
-  starts = "option", refine = "option", way = "option", most = "option", tolerance = "option", accuracy = "option",
-  integrator = "option", dt = "option" }
+  starts = "option", guess = "option", through = "option", refine = "option", way = "option", most = "option",
+  tolerance = "option", accuracy = "option", integrator = "option", dt = "option" }
 
 local function options()
   local o, why = description.parse("optimise", parser, fields)
   if not o then return nil, why end
   local fine
   fine, why = command_line.take_scene("optimise", o)
+  if not fine then return nil, why end
+  if o.way ~= "transcription" and (o.guess ~= "run" or o.through) then
+    return nil, "--guess and --through are for --way transcription"
+  end
+  fine, why = asked.read_through(o)
   if not fine then return nil, why end
   o.goals, why = asked.goals(o.goal)
   if not o.goals then return nil, why end
@@ -91,6 +99,10 @@ local function ready(o)
   if not start.measures then return nil, start.failed end
   o.plugin, o.fps = start.integrator, explained.fps
   fine, why = asked.choose_goals(o, explained, start.measures)
+  if not fine then return nil, why end
+  fine, why = asked.choose_stages(o, function(params)
+    return case_process.explain(o.scene, params, { trust = o.trust, integrator = o.integrator, without = o.without })
+  end)
   if not fine then return nil, why end
   return open_memory(o)
 end

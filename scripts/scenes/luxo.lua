@@ -1,7 +1,8 @@
 -- luxo.lua: a desk lamp of three links on a base jumps 0.3 m to the side by its four muscles: it crouches first, leaves the floor at
 -- 0.8 s, lands at 1.1 s and comes to rest as it stood. The base is held to the floor at given times (Witkin and Kass, Spacetime
--- constraints, 1988). hooke optimise luxo.lua ends with the least squares of the muscles' forces; it begins near it, with what IPOPT
--- found on the same steps from a lamp at rest, rounded to 0.1 N: from rest itself its search does not come there.
+-- constraints, 1988). hooke optimise luxo.lua --way transcription ends with the least squares of the muscles' forces; it begins near
+-- it, with what IPOPT found on the same steps, rounded to 0.1 N. From a lamp that stands still, by way of a jump on the spot:
+--   hooke optimise luxo.lua rest=true --way transcription --guess still --through far=0,0.02,0.1,0.2,0.3
 local start = {
   back = { -3.5, 0.6, 4.4, 6.9, 7.7, 8, 9, 10.3, 10.5, 7.4, 0.4, -6.4, -9.3, -8.4, -6.1, -5.7, -13.5, -18.4, -15.5, -1.5, 8.3, 26.1,
     24.6, -44.5, 26.3, -6.8, -0.4, -9.2, 4.5, 40.7, -70.6, 104.5, -9.2, 122.5, -37.1, 5.7, -2.5, 5.2, 8.9, 13.3, 16.3, 17.9, 18.9, 19,
@@ -19,6 +20,7 @@ local start = {
 local knots = param("knots", 61)
 local leaves, lands, fades = 0.8, 1.1, 1 / 60 -- s; the floor's hold fades before the jump, and grows after it
 local far = param("far", 0.3, "m, how far it jumps")
+local rest = param("rest", false, "muscles that do nothing, to begin with")
 local scene = hooke.scene { duration = 2, fps = 30, integrator = "rk4", dt = 1 / 240 }
 local lamp, masses = {}, {}
 local function point(name, x, z, mass)
@@ -50,7 +52,7 @@ for k, foot in ipairs { heel, toe } do
 end
 for k, edge in ipairs { { heel, knee }, { toe, knee }, { ankle, elbow }, { knee, head } } do -- a muscle is a spring and a tension
   local name = ({ "back", "front", "leg", "neck" })[k]
-  local pull = scene:control(name, { knots = knots, start = knots == 61 and start[name] or nil, help = "N" })
+  local pull = scene:control(name, { knots = knots, start = knots == 61 and not rest and start[name] or nil, help = "N" })
   scene:force("springs", { edges = { edge }, k = 1500, damping = 15 })
   scene:force("muscles", { edges = { edge }, tension = function(t) return pull(t) end })
 end

@@ -136,12 +136,51 @@ refused("bounded.lua most=1.5 --way transcription", "the goal 'x[1]' = 1 at 2 s 
 refused("bounded.lua again=false cost=squares --way transcription", "scene:cost() is for shooting")
 refused("push.lua knots=8 --goal x=1 --way transcription", "lies within a step")
 
+-- A particle that is carried off by a tenth of a g t^2/2: linear, so that the first step is the optimum, from a run or from rest at
+-- all knots, and at once or led through other distances.
+write("led.lua", [[
+local far = param("far", 1)
+local scene = hooke.scene { duration = 2, fps = 5, integrator = "rk4", dt = 0.1 }
+local push = scene:control("push", { knots = 11 })
+local p = scene:particle { position = { 0, 0, 0 } }
+scene:force("field", { f = function(t) return push(t) - 1, 0, 0 end })
+scene:goal { particle = p, position = { far, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+local led = 12 / 8 + 2 -- rest to rest, and as much force against what carries it off
+cost, iterations, text = optimum("led.lua --way transcription --guess still")
+assert(math.abs(cost - led) < 1e-10 and iterations == 1, text)
+cost, iterations, text = optimum("led.lua --way transcription --guess still --through far=0,0.5,1")
+assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
+refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
+
+-- ---- bounds that a guess of 0 touches, and knots that are closer than the scene's steps ----
+
+-- A rocket falls 5 m from rest and lands in 2 s: a push of 0 at least, of which the first guess is at the bound. Without the bound it
+-- is rest to rest against g, 2 g^2 + 12 25/8 with a force of g - 7.5 + 7.5 t: inside.
+write("rocket.lua", [[
+local scene = hooke.scene { duration = 2, fps = 10, integrator = "rk4", dt = 0.1 }
+local push = scene:control("push", { knots = 11, min = 0, max = 20 })
+local p = scene:particle { position = { 0, 0, 5 } }
+scene:force("field", { f = function(t) return 0, 0, push(t) - 9.81 end })
+scene:goal { particle = p, position = { 0, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+for _, way in ipairs { "shooting", "transcription" } do
+  cost, text = cost_of("rocket.lua --refine 2 --way " .. way) -- 41 knots 0.05 s apart, steps of 0.1 s
+  assert(math.abs(cost - 2 * 9.81 ^ 2 - 37.5) < 1e-9 * cost and text:find("steps of 0.05 s", 1, true), text)
+end
+
 -- ---- what is refused ----
 
 write("asked.lua", (read("bounded.lua"):gsub("return push%(t%), 0, 0", "return push(t) + now, 0, 0")
   :gsub("(scene:force)", "local now = push(0)\n%1", 1)))
 refused("asked.lua --way transcription", "control 'push': the script asks for its value while it makes the scene")
 
+refused("push.lua --goal x=1 --guess still", "--guess and --through are for --way transcription")
+refused("push.lua --goal x=1 --way transcription --through k", "--through: 'k' is not PARAMETER=NUMBER,NUMBER")
+refused("push.lua --goal x=1 --way transcription --through k=1,b", "--through: 'b' is not a number")
+refused("push.lua --goal x=1 --way transcription --through k=1,1", "--through: 1 is there twice")
 refused("push.lua", "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER")
 refused("push.lua --goal x", "--goal: 'x' is not MEASURE=NUMBER")
 refused("push.lua --goal x=nan", "--goal: 'x=nan' is not MEASURE=NUMBER")

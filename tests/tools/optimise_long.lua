@@ -108,4 +108,15 @@ for k = 0, 40 do start[k + 1] = (coarse[k // 2 + 1] + coarse[(k + 1) // 2 + 1]) 
 cost, text = optimum("other.lua --goal x=1,q=3.141592653589793,v=0,w=0")
 assert(math.abs(cost - 58.8076675) < 1e-4 * 58.8076675, text) -- knots 1/20 s apart cost 6.5e-5 more; the first optimum is 1.5e-2 less
 
+-- ---- a search that has had more iterations than --most lets it have goes on by one ----
+
+runs.run(goals .. "--out fewer", stopped("fewer", 5))
+local code, one = runs.run(goals .. "--out fewer --most 2")
+assert(code == 2 and one:find("it ended after as many iterations as --most", 1, true), one)
+
+-- ---- Luxo's lamp jumps on the spot, from one that stands still with muscles that do nothing ----
+
+cost, text, iterations = optimum(os.getenv("HK_ROOT") .. "/scripts/scenes/luxo.lua rest=true far=0 --way transcription --guess still")
+assert(math.abs(cost - 1377.575201) < 1e-5 and iterations <= 30, text) -- as found here; the run and dop853 meet the goals
+
 runs.close()

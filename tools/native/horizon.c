@@ -126,6 +126,7 @@ static size_t place_of(const horizon *h, size_t c) {
 
 /* h:segment(k, J, C): the derivatives of segment k as record:segment gives them; C may be nil. */
 static int set_segment(lua_State *L) {
+  lua_settop(L, 4);
   const horizon *h = self(L);
   size_t k = segment_at(L, 2, h->knots - 1), w = h->d + 2 * h->m;
   double *J = h->J + k * h->d * w, *C = h->C + k * w * w, *list = room(L, w * w);
@@ -149,42 +150,38 @@ static int set_goal(lua_State *L) {
   return 0;
 }
 
-/* h:factor(square, shift): square: the weight of the goals' squares; shift: what is added to the diagonal. Whether the
- * matrix is positive along the equations. */
+/* h:factor(square): the weight of the goals' squares. Whether the matrix is positive along the equations. */
 static int factor(lua_State *L) {
   horizon *h = self(L);
   h->square = luaL_checknumber(L, 2);
-  h->shift = luaL_checknumber(L, 3);
   lua_pushboolean(L, hk_horizon_factor(h));
   return 1;
 }
 
-/* h:least(slope, off, missing) -> the controls' changes and those of the states: slope of the cost by the controls, off
- * of every segment's equations (a list a segment), missing of every goal. */
+/* h:least(slope, prices, off, missing) -> the controls' changes, those of the goals, those of the states and the
+ * multipliers of every segment's equations. slope of the cost by the controls, prices of the goals (what a unit of each
+ * costs), off of every segment's equations (a list a segment), missing of every goal, of which the squares in the
+ * matrix are; nil: 0. */
 static int least(lua_State *L) {
   const horizon *h = self(L);
-  size_t n = h->knots;
-  lua_settop(L, 4);
-  const double *gu = read_controls(L, 2), *off = read_states(L, 3, n - 1);
-  double *gx = room(L, n * h->d), *x = room(L, n * h->d), *u = room(L, n * h->m), *missing = room(L, h->goals);
-  if (h->goals) read_list(L, 4, missing, h->goals);
+  size_t n = h->knots, d = h->d;
+  lua_settop(L, 5);
+  const double *gu = read_controls(L, 2), *off = read_states(L, 4, n - 1);
+  double *gx = room(L, n * d), *x = room(L, n * d), *u = room(L, n * h->m), *y = room(L, h->goals);
+  double *price = room(L, h->goals), *missing = room(L, h->goals), *list = room(L, (n - 1) * d);
+  if (!lua_isnil(L, 3)) read_list(L, 3, price, h->goals);
+  if (!lua_isnil(L, 5)) read_list(L, 5, missing, h->goals);
   for (size_t g = 0; g < h->goals; g++)
-    for (size_t i = 0; i < h->d; i++) gx[h->goal[g].knot * h->d + i] += h->square * missing[g] * h->goal[g].slope[i];
-  hk_horizon_least(h, gx, gu, off, x, u);
+    for (size_t i = 0; i < d; i++)
+      gx[h->goal[g].knot * d + i] += (price[g] + h->square * missing[g]) * h->goal[g].slope[i];
+  hk_horizon_least(h, gx, gu, off, x, u, list);
+  for (size_t g = 0; g < h->goals; g++)
+    for (size_t i = 0; i < d; i++) y[g] += h->goal[g].slope[i] * x[h->goal[g].knot * d + i];
   push_controls(L, u);
+  push_list(L, y, h->goals);
   push_states(L, x, n);
-  return 2;
-}
-
-/* h:image(row) -> B row, with the inverse B of the matrix in the controls alone. */
-static int image(lua_State *L) {
-  const horizon *h = self(L);
-  double *x = room(L, h->knots * h->d), *u = room(L, h->knots * h->m), *row = read_controls(L, 2);
-  luaL_argcheck(L, row, 2, "a row");
-  for (size_t e = 0; e < h->knots * h->m; e++) row[e] = -row[e];
-  hk_horizon_least(h, NULL, row, NULL, x, u);
-  push_controls(L, u);
-  return 1;
+  push_states(L, list, n - 1);
+  return 4;
 }
 
 /* h:row(g) -> how goal g changes with the controls. */
@@ -197,37 +194,12 @@ static int row_of(lua_State *L) {
   return 1;
 }
 
-/* h:follow(u, off) -> the changes of the states with those of the controls (nil: none). */
-static int follow(lua_State *L) {
-  const horizon *h = self(L);
-  lua_settop(L, 3);
-  const double *u = read_controls(L, 2), *off = read_states(L, 3, h->knots - 1);
-  double *x = room(L, h->knots * h->d);
-  hk_horizon_follow(h, u, off, x);
-  push_states(L, x, h->knots);
-  return 1;
-}
-
-/* h:multipliers(x, u, of_goals) -> those of every segment's equations. */
-static int multipliers(lua_State *L) {
-  const horizon *h = self(L);
-  lua_settop(L, 4);
-  const double *x = read_states(L, 2, h->knots), *u = read_controls(L, 3);
-  luaL_argcheck(L, x && u, 2, "states and controls");
-  double *of_goals = room(L, h->goals), *list = room(L, (h->knots - 1) * h->d);
-  read_list(L, 4, of_goals, h->goals);
-  hk_horizon_multipliers(h, x, u, of_goals, list);
-  push_states(L, list, h->knots - 1);
-  return 1;
-}
-
 __attribute__((visibility("default"))) int luaopen_horizon(lua_State *L);
 
 int luaopen_horizon(lua_State *L) {
   static const luaL_Reg functions[] = {{"new", create}, {NULL, NULL}};
-  static const luaL_Reg methods[] = {
-      {"segment", set_segment}, {"goal", set_goal}, {"factor", factor},           {"least", least}, {"image", image},
-      {"row", row_of},          {"follow", follow}, {"multipliers", multipliers}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"segment", set_segment}, {"goal", set_goal}, {"factor", factor},
+                                     {"least", least},         {"row", row_of},    {NULL, NULL}};
   luaL_newmetatable(L, type);
   lua_pushcfunction(L, collect);
   lua_setfield(L, -2, "__gc");

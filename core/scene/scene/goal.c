@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beyond bounds by this part of the largest value is within them: differences by a control move all of it by less. */
+/* Beyond bounds by this part of the largest value is within them: differences by a control move all of it by less. Of
+ * one that is 0 they take the part of 1 (tools/common/gradient/derivative.lua), and what they move is no larger than
+ * this. */
 static const double margin = 1e-5;
 
 static double largest(const hk_control *c) {
@@ -22,7 +24,7 @@ static hk_status check_control(const hk_scene *scene, const hk_control *c, hk_er
       return hk_error_set(error, HK_BAD_PARAM, "control '%s': there is already one of this name", c->name);
   if (!(c->min < c->max))
     return hk_error_set(error, HK_BAD_PARAM, "control '%s': min: %g is not below max, %g", c->name, c->min, c->max);
-  double beyond = margin * largest(c);
+  double most = largest(c), beyond = margin * (most > margin ? most : 1);
   for (size_t k = 0; k < c->knots; k++) {
     bool above = c->value[k] > c->max + beyond;
     if (above || c->value[k] < c->min - beyond)

@@ -54,7 +54,8 @@ end
 -- o.goals: those of the command line at o.at, or those of the scene; o.at: when all is over. measures: at the start. Or nil and
 -- what is wrong.
 function asked.choose_goals(o, explained, measures)
-  if #o.goals > 0 then
+  o.goals_named = #o.goals > 0
+  if o.goals_named then
     for _, goal in ipairs(o.goals) do goal.at = o.at or explained.duration end
   else o.goals = explained.goals end
   o.cost = explained.cost
@@ -73,6 +74,39 @@ function asked.choose_goals(o, explained, measures)
     goal.scale, last = math.max(math.abs(start), math.abs(goal.value - start)), math.max(last, goal.at)
   end
   o.at = last > 0 and last or o.at or explained.duration
+  return true
+end
+
+-- o.through, "PARAMETER=NUMBER,NUMBER,...", as { name =, numbers = }; the last number is the scene's. Or nil and what is wrong.
+function asked.read_through(o)
+  if not o.through then return true end
+  local name, words = o.through:match("^%s*([%w_]+)%s*=%s*(.+)$")
+  if not name then return nil, ("--through: '%s' is not PARAMETER=NUMBER,NUMBER"):format(o.through) end
+  if o.params[name] then return nil, ("--through: %s is given already; the last number of --through is what it becomes"):format(name) end
+  local numbers = {}
+  for text in (words .. ","):gmatch("%s*([^,]*),") do
+    local number = tonumber(text)
+    if not number or number - number ~= 0 then return nil, ("--through: '%s' is not a number"):format(text) end
+    if number == numbers[#numbers] then return nil, ("--through: %s is there twice"):format(text) end
+    numbers[#numbers + 1] = number
+  end
+  o.params[name], o.through = ("%.17g"):format(numbers[#numbers]), { name = name, numbers = numbers }
+  return true
+end
+
+-- o.stages: { params, goals, words, number } at every number of --through; explain(params) -> what the scene is with these, or nil
+-- and why. Or nil and what is wrong.
+function asked.choose_stages(o, explain)
+  o.stages = {}
+  for k, number in ipairs(o.through and o.through.numbers or {}) do
+    local params, text = { [o.through.name] = ("%.17g"):format(number) }, ("%s=%.9g"):format(o.through.name, number)
+    for key, value in pairs(o.params) do params[key] = params[key] or value end
+    local explained, why = explain(params)
+    if not explained then return nil, "--through: " .. why end
+    local goals = o.goals_named and o.goals or explained.goals
+    if #goals ~= #o.goals then return nil, ("--through: with %s the scene has other goals"):format(text) end
+    o.stages[k] = { params = params, goals = goals, words = text, number = number }
+  end
   return true
 end
 

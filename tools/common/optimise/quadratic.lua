@@ -165,16 +165,19 @@ function quadratic.solve(B, g, A, c, negligible, bounds, least)
   return step, contradiction
 end
 
--- The least change by which the rows of the step's set change by `by`: of goals; bounds that are met stay met.
-function quadratic.back(step, by)
+-- The least change by which the rows of the step's set change by `by`: of goals; bounds that are met stay met. `base`: a change that
+-- is made beside it, the least one for reasons of its own; nil: none.
+function quadratic.back(step, by, base)
   local right = {}
-  for i = 1, #step.set.rows do right[i] = i <= #step.kept and by[step.kept[i]] or 0 end
+  for i, row in ipairs(step.set.rows) do
+    right[i] = (i <= #step.kept and by[step.kept[i]] or 0) + (base and linear.dot(row, base) or 0)
+  end
   local weight, change = triangles(step.set.L, right), nil
   for i, image in ipairs(step.set.images) do
     change = change or quadratic.add(image, -1, image)
     change = quadratic.add(change, weight[i], image)
   end
-  return change
+  return change, weight
 end
 
 return quadratic

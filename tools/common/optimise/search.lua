@@ -57,7 +57,7 @@ end
 -- ---- by transcription ----
 
 -- Every goal with the knot at which it is; or nil and why transcription cannot take these.
-local function goals_at_knots(o, controls)
+local function goals_at_knots(o, controls, goals)
   local first, list = controls[1], {}
   if o.cost then return nil, "--way transcription: the cost is the controls' squares; scene:cost() is for shooting" end
   for _, control in ipairs(controls) do
@@ -68,7 +68,7 @@ local function goals_at_knots(o, controls)
   if first.duration > o.at then
     return nil, ("--way transcription: %s goes on to %.9g s, after the last goal at %.9g s"):format(first.name, first.duration, o.at)
   end
-  for g, goal in ipairs(o.goals) do
+  for g, goal in ipairs(goals) do
     local place = goal.at / first.duration * (#first.values - 1)
     local knot = math.floor(place + 0.5)
     if math.abs(place - knot) > 1e-6 or knot > #first.values - 1 then
@@ -90,28 +90,72 @@ local function bounds_of(controls)
   end }
 end
 
--- As optimum_from below.
-local function transcribed(o, controls, u, note, negligible)
-  local goals, why = goals_at_knots(o, controls)
+-- One search by transcription: of the scene with these params and goals, from controls u and states `nodes` (nil: those of --guess).
+local function transcribed_with(o, controls, u, nodes, note, asked_for)
+  local goals, why = goals_at_knots(o, controls, asked_for.goals)
   if not goals then return nil, why end
-  local words = ("transcription %d %s"):format(#u, o.dt or "")
+  local words = ("transcription %d %s %s %s"):format(#u, o.dt or "", o.guess, asked_for.words)
   local saved = o.memory:saved(words, u)
   o.dt = saved and saved.dt or o.dt
   local first, count = controls[1], #controls[1].values
-  local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, options = { start = u, saved = saved,
-    interval = first.duration / (count - 1), knots = count, controls = #controls, goals = goals, negligible = negligible,
-    bounds = bounds_of(controls), most = o.most, tolerance = o.tolerance,
-    save = function(state) o.memory:save(words, u, state) end,
-    note = function(iteration, now, missing, values)
-      note(iteration, now, missing)
-      o.keep(with_values(controls, values))
-    end } }
-  for _, key in ipairs { "scene", "params", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+  local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, params = asked_for.params,
+    options = { start = u, saved = saved, nodes = nodes, guess = o.guess, interval = first.duration / (count - 1), knots = count,
+      controls = #controls, goals = goals, negligible = asked_for.negligible, bounds = bounds_of(controls), most = o.most,
+      tolerance = o.tolerance, save = function(state) o.memory:save(words, u, state) end,
+      note = function(iteration, now, missing, values)
+        note(iteration, now, missing)
+        o.keep(with_values(controls, values))
+      end } }
+  for _, key in ipairs { "scene", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
   local result = segments.minimise(case)
-  local optimum = result.optimum
   why = result.contradiction and asked.contradiction(o, result.contradiction) or result.failed
-  if not optimum then return nil, why end
+  if not result.optimum then return nil, why end
   o.dt = o.dt or result.dt
+  return result.optimum
+end
+
+-- b, or where it comes to by `part` of the way from a to it.
+local function beyond(a, b, part)
+  local list = {}
+  for k = 1, #b do list[k] = type(b[k]) == "table" and beyond(a[k], b[k], part) or b[k] + part * (b[k] - a[k]) end
+  return list
+end
+
+-- The guess at `number` from the optima before: the last one's controls and states, or those on the line through the last two
+-- (Allgower and Georg, Introduction to numerical continuation methods, 2003, 2.2: the secant as a predictor).
+local function predicted(before, last, number)
+  if not before then return last.u, last.nodes end
+  local part = (number - last.number) / (last.number - before.number)
+  return beyond(before.u, last.u, part), beyond(before.nodes, last.nodes, part)
+end
+
+-- The optimum at the last number of --through by way of the others: each search begins at what those before it let expect.
+local function led_through(o, controls, u, note, negligible)
+  local before, last, iterations, nodes = nil, nil, 0, nil
+  for k, stage in ipairs(o.stages) do
+    if last then u, nodes = predicted(before, last, stage.number) end
+    local optimum, why = transcribed_with(o, controls, u, nodes, note, { params = stage.params, goals = stage.goals,
+      words = stage.words, negligible = negligible })
+    if not optimum then return nil, ("--through: %s: %s"):format(stage.words, why) end
+    iterations = iterations + optimum.iterations
+    if optimum.ended ~= "converged" and k < #o.stages then
+      return nil, ("--through: %s: it ended after %s: numbers that are closer"):format(stage.words, optimum.ended)
+    end
+    before, last, optimum.number = last, optimum, stage.number
+  end
+  last.iterations = iterations
+  return last
+end
+
+-- As optimum_from below.
+local function transcribed(o, controls, u, note, negligible)
+  local optimum, why
+  if o.stages and #o.stages > 0 then optimum, why = led_through(o, controls, u, note, negligible)
+  else
+    optimum, why = transcribed_with(o, controls, u, nil, note, { params = o.params, goals = o.goals, words = "",
+      negligible = negligible })
+  end
+  if not optimum then return nil, why end
   local found = evaluate(o, controls, optimum.u, { gradient = false })
   if found.failed then return nil, found.failed end
   optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
@@ -182,9 +226,13 @@ end
 -- The optimum with more knots, o.refine times; levels: the costs, the first with the scene's own.
 local function with_more_knots(o, optimum, bar)
   local levels = { { knots = #optimum.controls[1].values, cost = optimum.cost } }
+  local from_here = setmetatable({ stages = false, guess = "run" }, { __index = o })
   for level = 1, o.refine do
     local controls = refined(optimum.controls)
-    local finer, why = optimum_from(o, controls, values_of(controls), function(iteration, now)
+    local interval = controls[1].duration / (#controls[1].values - 1)
+    for _, control in ipairs(controls) do interval = math.min(interval, control.duration / (#control.values - 1)) end
+    if from_here.dt and from_here.dt > interval then from_here.dt = interval end -- what is within a step no step can follow
+    local finer, why = optimum_from(from_here, controls, values_of(controls), function(iteration, now)
       bar:add { note = ("knots %d times closer, iteration %d, cost %.6g"):format(2 ^ level, iteration, now) }
     end)
     if not finer then
@@ -192,7 +240,7 @@ local function with_more_knots(o, optimum, bar)
       break
     end
     finer.starts = optimum.starts
-    optimum = finer
+    optimum, o.dt = finer, from_here.dt
     levels[#levels + 1] = { knots = #controls[1].values, cost = finer.cost }
   end
   optimum.levels = levels

@@ -35,54 +35,80 @@ local function effort_of(state, u) return linear.dot(u, effort_slope(state, u)) 
 
 -- ---- one iteration ----
 
--- The goals in the controls: rows, and what is missing of them with the states that follow.
-local function rows_of(state)
-  local A, c, t = {}, {}, state.horizon:follow(nil, state.defect)
-  for i, goal in ipairs(state.goals) do
-    A[i], c[i] = state.horizon:row(i), state.missing[i] + linear.dot(state.there.slopes[i], t[goal.knot])
+-- Rows of the quadratic program stand in the controls and, behind these, in the goals: what a step changes of each. So a goal's row
+-- has one number, and its image comes from the recursion that has factored the matrix, not from a product along all segments.
+local function goal_rows(state)
+  local rows = {}
+  for i = 1, #state.goals do
+    rows[i] = zeros(state.n + #state.goals)
+    rows[i][state.n + i] = 1
   end
-  return A, c
+  return rows
 end
 
--- Factors the matrix; where it is not positive the goals' squares are added, which change nothing where the goals are met, and make
--- it positive where it is along them, and at last a multiple of 1 for all changes, of states as well: without that a motion that
--- is not stable goes as far astray as controls are kept from turning it (Waechter and Biegler 2006, algorithm IC and its numbers).
--- nil: never; else whether that was added.
+local function split(state, row)
+  return table.move(row, 1, state.n, 1, {}), table.move(row, state.n + 1, state.n + #state.goals, 1, {})
+end
+
+local function joined(u, y) return table.move(y, 1, #y, #u + 1, u) end
+
+-- The inverse of the matrix along the equations, applied to a row.
+local function image_of(state, row)
+  local slope, prices = split(state, row)
+  local u, y = state.horizon:least(slope, prices)
+  local image = joined(u, y)
+  for k = 1, #image do image[k] = -image[k] end
+  return image
+end
+
+-- How each goal changes with the controls.
+local function reaches(state)
+  local A = {}
+  for i = 1, #state.goals do A[i] = state.horizon:row(i) end
+  return A
+end
+
+-- Factors the matrix. Where it is not positive along the equations the goals' squares are added, which change nothing where the goals
+-- are met, and make it positive where it is along them; where that does not help, the equations' curvature is left out, as Gauss and
+-- Newton do: the effort alone is convex. (A multiple of 1 in its place, Waechter's and Biegler's correction of inertia, holds states
+-- back that must go far: Luxo's lamp does not jump with it, and cart and pole take 28 iterations for 23.) False: never.
 local function factor(state, A)
-  if state.horizon:factor(0, 0) then return false end
+  if state.horizon:factor(0) then return true end
   local size = 0
   for i = 1, #A do size = math.max(size, linear.dot(A[i], A[i])) end
   local weight = size > 0 and 100 * state.n * 4 / 3 * state.interval / size or 0
   for _ = 1, weight > 0 and 3 or 0 do
-    if state.horizon:factor(weight, 0) then return false end
+    if state.horizon:factor(weight) then return true end
     weight = 30 * weight
   end
-  weight = weight / 30 ^ 2
-  local shift, grows = state.shift and math.max(state.shift / 3, 1e-20) or 1e-4, state.shift and 8 or 100
-  while shift < 1e40 do
-    if state.horizon:factor(weight, shift) then
-      state.shift = shift
-      return true
-    end
-    shift = grows * shift
-  end
+  for k = 1, state.knots - 1 do state.horizon:segment(k, state.there.J[k], nil) end
+  return state.horizon:factor(0)
 end
 
--- The step of the quadratic program.
+local function with_bounds(state)
+  local bounds, goals = state.bounds, #state.goals
+  if not bounds then return nil end
+  return { low = bounds.low, high = bounds.high, at = state.u, values = function(p) return bounds.values(p) end,
+    row = function(k) return joined(bounds.row(k), zeros(goals)) end }
+end
+
+-- The step of the quadratic program: p of the controls, x of the states, and multipliers of goals and equations.
 local function direction(state)
-  local A, c = rows_of(state)
+  local A = reaches(state)
   state.A = nil
-  local shifted = factor(state, A)
-  if shifted == nil then return nil end
+  if not factor(state, A) then return nil end
   state.A = A
-  local slope = effort_slope(state, state.u)
+  local slope, c = effort_slope(state, state.u), {}
   slope = quadratic.add(slope, 1, slope)
-  local least = state.horizon:least(slope, state.defect, state.missing)
-  local step, contradiction = quadratic.solve(function(row) return state.horizon:image(row) end, slope, A, c, state.negligible,
-    state.bounds and setmetatable({ at = state.u }, { __index = state.bounds }), least)
+  local u, y = state.horizon:least(slope, nil, state.defect, state.missing)
+  for i = 1, #y do c[i], y[i] = state.missing[i] + y[i], 0 end
+  local step, contradiction = quadratic.solve(function(row) return image_of(state, row) end, joined(slope, zeros(#y)), goal_rows(state), c,
+    state.negligible, with_bounds(state), joined(u, y))
   state.contradiction = contradiction
   if not step then return nil end
-  step.x, step.shifted = state.horizon:follow(step.p, state.defect), shifted
+  local prices
+  slope, prices = split(state, step.slope)
+  step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, state.missing)
   return step
 end
 
@@ -123,11 +149,13 @@ end
 -- second order, without which the merit forbids whole steps along bent equations (Maratos; Nocedal and Wright 18.3).
 local function corrected(state, step, nodes, u, there)
   local defect, missing = miss(state, nodes, there)
-  local t, by = state.horizon:follow(nil, defect), {}
-  for i, goal in ipairs(state.goals) do by[i] = missing[i] + linear.dot(state.there.slopes[i], t[goal.knot]) end
-  local none = zeros(state.n)
-  local back = quadratic.add(none, -1, quadratic.back(step, by) or none)
-  local change, list = state.horizon:follow(back, defect), { nodes[1] }
+  local base, y = state.horizon:least(nil, nil, defect, missing)
+  local _, weight = quadratic.back(step, missing, joined(base, y))
+  local row = zeros(state.n + #missing)
+  for i, part in ipairs(weight) do row = quadratic.add(row, part, step.set.rows[i]) end
+  local slope, prices = split(state, row)
+  local back, _, change = state.horizon:least(slope, prices, defect, missing)
+  local list = { nodes[1] }
   for k = 2, state.knots do list[k] = quadratic.add(nodes[k], 1, change[k]) end
   return list, quadratic.add(u, 1, back)
 end
@@ -179,7 +207,7 @@ local function new_state(options, u, nodes)
     horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.interval) }
 end
 
--- At the run of the first guess, or as a search that was interrupted left it.
+-- At the states that are given, those of a scene that stands still, or the run's; or as a search that was interrupted left it.
 local function begin(options)
   local saved = options.saved
   if saved then
@@ -190,7 +218,9 @@ local function begin(options)
   local there, why = options.evaluate(options.start, nil, false)
   if not there then return nil, why end
   local nodes = { there.start }
-  for k = 1, options.knots - 1 do nodes[k + 1] = there.ends[k] end
+  for k = 2, options.knots do
+    nodes[k] = options.nodes and options.nodes[k] or options.guess == "still" and there.start or there.ends[k - 1]
+  end
   local state = new_state(options, options.start, nodes)
   state.penalty, state.price = zeros(state.d), zeros(#state.goals)
   return state
@@ -209,18 +239,21 @@ end
 
 local function result(state, iterations, ended)
   if state.contradiction then return nil, nil, state.contradiction end
-  return { u = state.u, cost = effort_of(state, state.u), iterations = iterations, ended = ended, reach = reach_of(state) }
+  return { u = state.u, nodes = state.nodes, cost = effort_of(state, state.u), iterations = iterations, ended = ended,
+    reach = reach_of(state) }
 end
 
 -- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, knot } }, evaluate(u, nodes, weights) ->
 -- { start, ends, J, H, goals, slopes } (weights nil or false: without H; nodes nil: those of the run), negligible, bounds, most,
--- tolerance, note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on
--- beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a state, from which it goes on. Returns what
--- common/optimise/sqp.lua returns, with u.
+-- tolerance, nodes (a guess of the states), guess (where there is none; "still": all as the first one; "run": those of the run),
+-- note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on beside these
+-- options (iteration, u, nodes, weights, penalty, price), and saved, such a state, from which it goes on. Returns what
+-- common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
-  for iteration = state.first or 1, options.most do
+  local most = math.max(options.most, state.first or 1)
+  for iteration = state.first or 1, most do
     local fine
     if options.save then
       options.save { iteration = iteration, u = state.u, nodes = state.nodes, weights = state.weights, penalty = state.penalty,
@@ -233,8 +266,7 @@ function transcription.minimise(options)
       return nil, "the quadratic program has no least value, whatever is added to it: begin with other controls, or --starts"
     end
     if not step then return nil, nil, state.contradiction or { row = 1 } end
-    local list = state.horizon:multipliers(step.x, step.p, step.multipliers)
-    weigh(state, step, list)
+    weigh(state, step, step.equations)
     local _, _, missing = miss(state, state.nodes, state.there)
     local cost = effort_of(state, state.u)
     if options.note then options.note(iteration, cost, missing, state.u) end
@@ -244,9 +276,9 @@ function transcription.minimise(options)
       return result(state, iteration - 1, "converged")
     end
     if not search(state, step, options.evaluate) then return result(state, iteration, "a search without a way down") end
-    state.weights = list
+    state.weights = step.equations
   end
-  return result(state, options.most, "as many iterations as --most")
+  return result(state, most, "as many iterations as --most")
 end
 
 return transcription

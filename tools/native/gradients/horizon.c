@@ -78,7 +78,7 @@ static void solve(const double *L, size_t n, double *x, size_t apart) {
   }
 }
 
-/* What stands at a knot alone: the goals' squares and the shift. */
+/* What stands at a knot alone: the goals' squares. */
 static void add_knot(const horizon *h, size_t k, double *P) {
   size_t q = h->d + h->m;
   for (size_t g = 0; g < h->goals; g++) {
@@ -87,7 +87,6 @@ static void add_knot(const horizon *h, size_t k, double *P) {
     for (size_t i = 0; i < h->d; i++)
       for (size_t e = 0; e < h->d; e++) P[i * q + e] += h->square * slope[i] * slope[e];
   }
-  for (size_t j = 0; j < q; j++) P[j * (q + 1)] += h->shift;
 }
 
 /* Q = C and the effort of segment k, and P of the knot behind it: of (x, u at the begin, u at the end), Q = C + W + F'
@@ -175,7 +174,23 @@ static void sweep_back(const horizon *h, const double *gx, const double *gu, con
   solve(h->L, m, own, 1);
 }
 
-void hk_horizon_least(const horizon *h, const double *gx, const double *gu, const double *off, double *x, double *u) {
+/* The multiplier of the equations of a segment is how what is still to be paid changes with the state behind it: P (x,
+ * u)
+ * + p there. */
+static void fill_multipliers(const horizon *h, const double *x, const double *u, double *list) {
+  size_t d = h->d, m = h->m, q = d + m;
+  for (size_t k = 1; k < h->knots; k++)
+    for (size_t i = 0; i < d; i++) {
+      const double *row = h->P + k * q * q + i * q;
+      double sum = h->scratch[k * q + i];
+      for (size_t c = 0; c < d; c++) sum += row[c] * x[k * d + c];
+      for (size_t c = 0; c < m; c++) sum += row[d + c] * u[k * m + c];
+      list[(k - 1) * d + i] = sum;
+    }
+}
+
+void hk_horizon_least(const horizon *h, const double *gx, const double *gu, const double *off, double *x, double *u,
+                      double *multipliers) {
   size_t d = h->d, m = h->m, q = d + m, w = wide(h), n = h->knots;
   const double *own = h->scratch + n * q;
   sweep_back(h, gx, gu, off);
@@ -195,19 +210,7 @@ void hk_horizon_least(const horizon *h, const double *gx, const double *gu, cons
       for (size_t c = 0; c < 2 * m; c++) next_x[i] += J[i * w + d + c] * u[k * m + c];
     }
   }
-}
-
-void hk_horizon_follow(const horizon *h, const double *u, const double *off, double *x) {
-  size_t d = h->d, m = h->m, w = wide(h);
-  memset(x, 0, d * sizeof *x);
-  for (size_t k = 0; k + 1 < h->knots; k++)
-    for (size_t i = 0; i < d; i++) {
-      const double *J = h->J + k * d * w + i * w;
-      double sum = off ? off[k * d + i] : 0;
-      for (size_t c = 0; c < d; c++) sum += J[c] * x[k * d + c];
-      for (size_t c = 0; c < 2 * m && u; c++) sum += J[d + c] * u[k * m + c];
-      x[(k + 1) * d + i] = sum;
-    }
+  if (multipliers) fill_multipliers(h, x, u, multipliers);
 }
 
 void hk_horizon_row(const horizon *h, size_t knot, const double *slope, double *row) {
@@ -221,23 +224,5 @@ void hk_horizon_row(const horizon *h, size_t knot, const double *slope, double *
       for (size_t c = 0; c < w; c++) before[c] += J[e * w + c] * at[e];
     for (size_t j = 0; j < 2 * m; j++) row[k * m + j] += before[d + j];
     memcpy(at, before, d * sizeof *at);
-  }
-}
-
-void hk_horizon_multipliers(const horizon *h, const double *x, const double *u, const double *of_goals, double *list) {
-  size_t d = h->d, m = h->m, w = wide(h);
-  double *behind = h->scratch;
-  memset(behind, 0, d * sizeof *behind);
-  for (size_t k = h->knots - 1; k-- > 0;) {
-    const double *J = h->J + k * d * w, *C = h->C + k * w * w;
-    double *own = list + k * d;
-    for (size_t g = 0; g < h->goals; g++)
-      for (size_t i = 0; i < d && h->goal[g].knot == k + 1; i++) behind[i] += of_goals[g] * h->goal[g].slope[i];
-    memcpy(own, behind, d * sizeof *own);
-    for (size_t i = 0; i < d; i++) {
-      behind[i] = h->shift * x[k * d + i];
-      for (size_t e = 0; e < d; e++) behind[i] += J[e * w + i] * own[e] + C[i * w + e] * x[k * d + e];
-      for (size_t c = 0; c < 2 * m; c++) behind[i] += C[i * w + d + c] * u[k * m + c];
-    }
   }
 }

@@ -25,7 +25,6 @@ typedef struct horizon {
   double *J;     /* of every segment: d rows of d + 2m numbers, by x, by u at its begin, by u at its end */
   double *C;     /* of every segment: d + 2m squared, symmetric; without the effort */
   double *W;     /* of every segment: 2m squared, the effort's second derivatives */
-  double shift;  /* added to the diagonal of all changes but x[1] */
   double square; /* the weight of the goals' squares */
   horizon_goal *goal;
   /* ---- made by hk_horizon_factor, q = d + m ---- */
@@ -36,7 +35,7 @@ typedef struct horizon {
   double *memory;  /* that of all of these */
 } horizon;
 
-/* NULL: no memory. C, W, shift and square are 0. */
+/* NULL: no memory. C, W and square are 0. */
 horizon *hk_horizon_create(size_t knots, size_t d, size_t m, size_t goals);
 void hk_horizon_free(horizon *);
 
@@ -44,16 +43,12 @@ void hk_horizon_free(horizon *);
 bool hk_horizon_factor(horizon *);
 
 /* The least of z' C z / 2 + ... + gx . x + gu . u along the equations. gx: d of every knot, gu: m of every knot, off: d
- * of every segment; NULL: 0. Fills x (d of every knot) and u (m of every knot). After hk_horizon_factor. */
-void hk_horizon_least(const horizon *, const double *gx, const double *gu, const double *off, double *x, double *u);
-
-/* x as the equations have it for u. */
-void hk_horizon_follow(const horizon *, const double *u, const double *off, double *x);
+ * of every segment; NULL: 0. Fills x (d of every knot), u (m of every knot) and the multipliers of the equations (d of
+ * every segment; may be NULL). After hk_horizon_factor. */
+void hk_horizon_least(const horizon *, const double *gx, const double *gu, const double *off, double *x, double *u,
+                      double *multipliers);
 
 /* Adds to the row (m of every knot) how the number with the slope by x at `knot` changes with the controls. */
 void hk_horizon_row(const horizon *, size_t knot, const double *slope, double *row);
-
-/* The multipliers of the equations of every segment (d each) at x and u, with those of the goals. */
-void hk_horizon_multipliers(const horizon *, const double *x, const double *u, const double *of_goals, double *list);
 
 #endif
