@@ -356,7 +356,8 @@ static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double
     if (status == HK_OK) status = shake_round(d, t, x, v, slowly >= PATIENCE);
     if (status == HK_OK) done += hk_constraint_power(d, from + 3 * s->n) / h;
   }
-  if (status == HK_OK && !arrived) return gave_up(d, worst, true, c->g[worst]);
+  bool singular = status == HK_NOT_CONVERGED && !*d->error->text; /* of Newton's iteration */
+  if (singular || (status == HK_OK && !arrived)) return gave_up(d, worst, true, c->g[worst]);
   if (status != HK_OK) return status;
   hk_constraint_matrix_push(c, c->impulse, 1 / h, v);
   *work += done;
