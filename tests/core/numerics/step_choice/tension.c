@@ -84,11 +84,30 @@ static void an_impact_shortens_the_step_at_once(void **state) {
   if (!(drift < 0.01)) fail_msg("the energy drifts by %g", drift);
 }
 
+/* A cloth of undamped springs that hangs by two corners, beside a chain of bars: what stiffens as its edges turn into
+ * one direction is followed as it is without the chain, where the energy drifts by 1e-5. */
+static void what_forces_state_is_followed_beside_constraints(void **state) {
+  (void)state;
+  test_write("scene.lua", "local scene = hooke.scene { duration = 0.3, fps = 60, integrator = 'leapfrog' }\n"
+                          "local g = scene:grid { nx = 20, ny = 20, width = 1, height = 1, mass = 0.05 }\n"
+                          "scene:pin { g:at(1, 1), g:at(20, 1) }\n"
+                          "scene:force('gravity')\n"
+                          "scene:force('springs', { edges = g:edges(), k = 20 })\n"
+                          "local s = scene:strand { n = 4, from = { 2, 0, 0 }, to = { 2.3, 0, 0 }, mass = 0.3 }\n"
+                          "scene:pin { s:at(1) }\n"
+                          "scene:constraint('bars', { edges = s:structural() })\n"
+                          "return scene\n");
+  runs("");
+  double drift = fabs(test_json(r.out, "drift"));
+  if (!(drift < 1e-3)) fail_msg("the energy drifts by %g", drift);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_heavy_end_is_let_go_from_the_horizontal),
       cmocka_unit_test(tension_that_rises_slowly_shortens_the_step),
       cmocka_unit_test(an_impact_shortens_the_step_at_once),
+      cmocka_unit_test(what_forces_state_is_followed_beside_constraints),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
