@@ -312,9 +312,11 @@ static hk_status review(hk_step_length *length, hk_dynamics *d, size_t births, s
 static hk_status measure(hk_step_choice *c, hk_dynamics *d, size_t now, bool *risen) {
   double(*block)[6] = allocate_blocks(d);
   hk_counts before = d->count;
+  hk_error error = *d->error; /* a sample that fails is left out; the step that fails there says why */
   double longer = c->dt_suggested / c->length.dt;
   c->watch.leeway = longer > 1 ? longer * longer : 1;
   *risen = block && hk_watch_measure(&c->watch, &d->system, block, motion_of(d), now);
+  if (block) *d->error = error;
   d->count = before;
   ask_again(c, d);
   free(block);
