@@ -81,8 +81,8 @@ void hk_warnings_clear(hk_warnings *);
 typedef struct hk_system_queries {
   unsigned flags; /* HK_DEPENDS_ON_... of all forces together */
   /* block[i] as in a force's stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
-   * HK_STIFFENS only. False: an acting force that depends on x states no bound, and the blocks are not
-   * touched; of HK_DAMPING_WHOLE: one that depends on v states none, and the blocks are those of the others. */
+   * HK_STIFFENS only. False: there are constraints, or an acting force that depends on x states no bound, whose blocks
+   * are not touched; of HK_DAMPING_WHOLE: one that depends on v, and the blocks are those of the others. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
   /* Where no two particles are coupled: F (n x 3, or NULL) and the blocks K and D of the particles begin to end - 1 at
    * x and v (n x 3), with the time's parameters as `impose` left them; K[0] is that of `begin`. False: a force couples

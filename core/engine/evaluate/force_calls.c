@@ -130,7 +130,7 @@ static bool is_stated(const hk_dynamics *d, hk_stiffness_part part) {
     const hk_force_tables *f = hk_force_of(force_at(d, k)->plugin);
     if (d->force_acts[k] && !f->bounds.stiffness_bound && f->own.flags & on) return false;
   }
-  return d->plugins->kind[HK_CONSTRAINT].count == 0;
+  return true;
 }
 
 bool hk_forces_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
@@ -148,5 +148,5 @@ bool hk_forces_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, 
     hk_leave(force, outer);
   }
   hk_riders_gather_bounds(&d->state->model, block);
-  return stated;
+  return stated && (stiffening || d->plugins->kind[HK_CONSTRAINT].count == 0);
 }

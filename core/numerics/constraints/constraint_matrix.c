@@ -211,7 +211,9 @@ hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x,
   find_own(c, c->J_end);
   hk_matrix A = assemble(c, c->J_end, false);
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];
+  hk_error before = *d->error;
   status = hk_linear_system_factorize(d, &c->mixed, &A);
+  if (status == HK_NOT_CONVERGED) *d->error = before; /* the solver names a row; the caller has the equation */
   if (status == HK_OK) status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;

@@ -16,7 +16,6 @@
  *
  * Invariant: the factors for the velocities serve the next step's positions. They are a function of (x, t) alone, and
  * `kept_x` and `kept_t` say of which, so that a run that goes on from a checkpoint makes the same ones anew. */
-
 #include "core/numerics/constraints/constraints.h"
 
 #include <float.h>
@@ -26,9 +25,9 @@
 enum { ITERATIONS = 25, ROUNDS = 40, PATIENCE = 3, MOST_NAMED = 3, NAME = 96, REST = 800 };
 
 /* Tolerance of positions: relative to the largest coordinate, which determines their rounding. Of velocities: relative
- * to the sum of |J||v|. After a round that leaves more than `slow` of the residual a new factorization is made.
- * `implied_tolerance`: largest violation of an equation that follows from others before it is solved for: 1e5 times
- * position_tolerance, for equations at a small angle to each other. */
+ * to the sum of |J||v|, or to the rounding of the largest. After a round that leaves more than `slow` of the residual a
+ * new factorization is made. `implied_tolerance`: largest violation of an equation that follows from others before it
+ * is solved for: 1e5 times position_tolerance, for equations at a small angle to each other. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1, implied_tolerance = 1e-7;
 static const double to_be_named = 0.01; /* part of the largest violation */
 /* A round of the iteration with the matrix of the start that leaves more than this part of g is slow; after PATIENCE of
@@ -158,12 +157,13 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
 /* c->c = J v + g_t, less what it is after an impact; returns the largest part that must be removed, relative to the sum
  * of |J||v|, and its equation. */
 static double velocity_residual(hk_constraints *c, const double *v, size_t *worst) {
-  double largest = 0, *sum = c->residual;
+  double largest = 0, most = 0, *sum = c->residual;
   hk_constraint_rate(c, v, c->c, sum);
+  for (size_t k = 0; k < c->equations; k++) most = fmax(most, DBL_EPSILON * sum[k]);
   hk_restitution_subtract(c, c->c);
   for (size_t k = 0; k < c->equations; k++) {
     bool asked = c->one_sided[k] ? c->held[k] || (c->allowed[k] && c->c[k] < 0) : !c->implied[k];
-    double relative = asked && c->full[k] > 0 && sum[k] > 0 ? fabs(c->c[k]) / sum[k] : 0;
+    double relative = asked && c->full[k] > 0 && sum[k] > 0 ? fabs(c->c[k]) / fmax(sum[k], most) : 0;
     if (relative <= largest) continue;
     largest = relative;
     *worst = k;
@@ -356,6 +356,7 @@ static hk_status shake(hk_dynamics *d, double t0, double *from, double t, double
     if (status == HK_OK) status = shake_round(d, t, x, v, slowly >= PATIENCE);
     if (status == HK_OK) done += hk_constraint_power(d, from + 3 * s->n) / h;
   }
+  if (status == HK_NOT_CONVERGED && !*d->error->text) status = HK_OK; /* Newton's matrix is singular */
   if (status == HK_OK && !arrived) return gave_up(d, worst, true, c->g[worst]);
   if (status != HK_OK) return status;
   hk_constraint_matrix_push(c, c->impulse, 1 / h, v);

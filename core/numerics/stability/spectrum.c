@@ -98,3 +98,26 @@ hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *metho
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error) {
   return hk_spectrum_estimate_for(system, NULL, NULL, NAN, spectrum, error);
 }
+
+static double length(const double *u, size_t count) {
+  double sum = 0;
+  for (size_t c = 0; c < count; c++) sum += u[c] * u[c];
+  return sqrt(sum);
+}
+
+hk_status hk_stiffness_sample(hk_system *system, double *sample) {
+  hk_spectrum_work s = {.method = NULL};
+  size_t count = 3 * system->n;
+  *sample = 0;
+  if (reserve(&s, system) != HK_OK) return HK_NO_MEMORY;
+  s.imposes = pins_impose(system->model);
+  hk_operation_measure(&s, system, hk_stiffness_of(system, hk_operation_blocks(&s)).length);
+  hk_operation o = {&s, system, false, hk_operation_step(&s), hk_operation_velocities(&s, system)};
+  hk_status status = hk_operation_start(&s.stiffness, system);
+  double size = length(s.stiffness.current, count), found = 0;
+  if (status == HK_OK && size > 0) status = hk_operation_apply(&o, s.stiffness.current, s.stiffness.image);
+  if (status == HK_OK && size > 0) found = length(s.stiffness.image, count) / size;
+  if (found > hk_operation_noise(&o)) *sample = sqrt((double)count) * found;
+  release(&s);
+  return status;
+}

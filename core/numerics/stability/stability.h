@@ -52,12 +52,19 @@ hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_erro
 hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters, double step,
                                    hk_spectrum *spectrum, hk_error *error);
 
-/* ---- watch.c: what forces state of their stiffness, between two estimates. Plain data ---- */
+/* sqrt(3n) |K u| for a random unit vector u of the motions that pins and constraints allow, 1/s^2: no bound, but as
+ * large as the largest eigenvalue where few are large, and it rises with them, as constraints' forces stiffen what they
+ * hold, which nothing states. The same vector every time. *sample: 0 where it is rounding. Takes two evaluations and
+ * two projections; allocates memory of some 6 times x and frees it. */
+hk_status hk_stiffness_sample(hk_system *system, double *sample);
+
+/* ---- watch.c: what is known of the stiffness between two estimates. Plain data ---- */
 
 typedef struct hk_stated_bounds {
   bool covered;     /* every force that depends on x states it */
   double stiffness; /* 1/s^2 */
   double damping;   /* 1/s, of those forces that state a stiffness */
+  double sample;    /* 1/s^2, hk_stiffness_sample, where there are constraints; 0 elsewhere */
 } hk_stated_bounds;
 
 typedef struct hk_watch {
@@ -65,14 +72,23 @@ typedef struct hk_watch {
   hk_stated_bounds last, seen; /* at the last two measurements */
   hk_stated_bounds expected;   /* at the next one */
   size_t next, every;          /* evaluations of the run: at the next measurement, between two */
+  double motion, moved;        /* (m/s)^2, with constraints: at the most until then; at the last measurement */
+  size_t at;                   /* evaluations of the run at the last measurement */
+  double peak[2];              /* 1/s^2, the largest sample between the last two estimates, and since */
+  double leeway;               /* the factor by which w_max^2 may rise until it determines the step, at least 1 */
   size_t measurements;
   size_t often; /* times as many measurements as else for the same evaluations, where steps cost more; 0: as 1 */
 } hk_watch;
 
-/* After an estimate at the present state. scratch: 6n doubles, here and below. */
-void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+/* After an estimate at the present state. scratch: 6n doubles, here and below; motion: the largest square of the speed
+ * of what constraints hold, (m/s)^2, or 0. */
+void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], double motion, size_t evaluations);
+/* Whether that hk_stiffness_sample is above that of the last estimate, by more than a chosen step allows. */
+bool hk_watch_exceeded(const hk_watch *, double sample);
+/* Whether to measure. */
+bool hk_watch_calls(const hk_watch *, double motion, size_t evaluations);
 /* Measures; whether the spectrum is expected to be exceeded by the next measurement. */
-bool hk_watch_measure(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+bool hk_watch_measure(hk_watch *, hk_system *system, double (*scratch)[6], double motion, size_t evaluations);
 /* Raises the spectrum to the expected bounds, with some headroom. */
 void hk_watch_raise(hk_watch *, hk_spectrum *spectrum);
 

@@ -5,6 +5,8 @@
  * the block form of Gershgorin's theorem; it does not depend on the axes. */
 #include "core/numerics/stability/stiffness.h"
 
+#include <string.h>
+
 /* Smith, Commun. ACM 4 (1961) 168. */
 void hk_symmetric_eigenvalues(const double a[6], double value[3]) {
   double mean = (a[0] + a[3] + a[5]) / 3, x = a[0] - mean, y = a[3] - mean, z = a[5] - mean;
@@ -64,10 +66,11 @@ static double least_ratio(const hk_model *model) {
 }
 
 bool hk_stiffness_part_of(hk_system *s, hk_stiffness_part part, double (*scratch)[6], double *largest) {
+  memset(scratch, 0, s->n * sizeof *scratch);
   bool covered = s->queries->stiffness_bound(s, part, false, scratch);
   const hk_fast_subset *fast = s->split->fast;
   if (covered && fast) fast->remove_bound(fast->self, s, part, scratch);
-  *largest = covered || part == HK_DAMPING_WHOLE ? largest_block(s->model, scratch) : 0;
+  *largest = largest_block(s->model, scratch);
   return covered;
 }
 

@@ -15,9 +15,9 @@ typedef struct hk_stiffness {
   double length; /* m, the shortest distance within an element or edge; INFINITY: there is none longer than 0 */
 } hk_stiffness;
 
-/* Sets *largest to the bound of one part at system->X; false: a force that depends on x states none, or, of the
- * damping, one that depends on v. It is 0 then, but of the damping that of the forces that state one. scratch: 6n
- * doubles. */
+/* Sets *largest to the bound of one part at system->X; false: there are constraints, whose part is not in it, or a
+ * force that depends on x states none, or, of the damping, one that depends on v. It is 0 then, but of the damping that
+ * of the forces that state one. scratch: 6n doubles. */
 bool hk_stiffness_part_of(hk_system *, hk_stiffness_part, double (*scratch)[6], double *largest);
 
 /* Sets *largest to the bound of the damping rates that the forces state, 1/s; false: one that depends on v states none,

@@ -3,17 +3,23 @@
  * between estimates is a number of evaluations, so that the estimates cost a few percent and runs are reproducible bit
  * by bit. */
 #include "core/engine/contract/contract.h"
+#include "core/numerics/constraints/constraints.h"
 #include "core/numerics/step_choice/step_choice.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Evaluations of the run per evaluation of an estimate: of those at regular intervals, the same where forces state
- * their stiffness and are watched, and of those that the watch asks for. */
-enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
+ * their stiffness and are watched, of those that the watch asks for, and of these where there are constraints, of which
+ * it has a sample alone. */
+enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_TAUT = 20, REVIEW_FREE = 100 };
 
 /* Where surfaces are kept apart by impulses a sheet may be crushed within few steps, and a step costs as much as some
  * ten evaluations: so many times as often. */
 enum { OFTEN_IN_CONTACT = 10 };
+
+/* A step that is shorter than this part of another is considerably so. */
+static const double considerably = 0.9;
 
 /* Of estimates after births and deaths: evaluations of the run per evaluation of one, the number that is free, and the
  * inverse of the part of the particles that has to be new. */
@@ -65,6 +71,29 @@ static size_t often(const hk_dynamics *d) {
   return 1;
 }
 
+/* (m/s)^2, the sum of the squares of the velocities of what constraints hold, less that of their mean; a function of
+ * the state alone, as a run that goes on has no other. 0: there are none. */
+static double motion_of(const hk_dynamics *d) {
+  const hk_constraints *c = d->constraints;
+  const double *v = d->state->X + 3 * d->state->model.n;
+  double sum = 0;
+  if (!c || c->equations == 0) return 0;
+  for (size_t e = 0; e < 3; e++) {
+    double mean = 0;
+    for (size_t b = 0; b < c->blocks; b++) mean += v[3 * (size_t)c->list.pair[b][1] + e] / (double)c->blocks;
+    for (size_t b = 0; b < c->blocks; b++) {
+      double moves = v[3 * (size_t)c->list.pair[b][1] + e] - mean;
+      sum += moves * moves;
+    }
+  }
+  return sum;
+}
+
+/* At which evaluation the loop asks again: with constraints before every step, for their motion. */
+static void ask_again(hk_step_choice *c, const hk_dynamics *d) {
+  c->length.watch_at = hk_system_equations(&d->system) > 0 ? 0 : c->watch.next;
+}
+
 /* `method`: the one whose step is wanted, or that is given one; NULL: all is estimated. The evaluations and sampled
  * times of an estimate are not added to those of the run. */
 static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method, double given) {
@@ -79,8 +108,9 @@ static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator
   double(*block)[6] = status == HK_OK ? allocate_blocks(d) : NULL;
   if (!block) return status == HK_OK ? HK_NO_MEMORY : status;
   c->watch.often = often(d);
-  hk_watch_begin(&c->watch, &d->system, block, before.evaluations);
-  c->length.watch_at = c->watch.next;
+  hk_watch_begin(&c->watch, &d->system, block, motion_of(d), before.evaluations);
+  d->count = before;
+  ask_again(c, d);
   free(block);
   if (!same(&last, &c->spectrum)) find_limit(c);
   return HK_OK;
@@ -127,6 +157,58 @@ static void take_given(hk_step_choice *c, double given, hk_warnings *warnings) {
             frame, 1 / given);
 }
 
+/* x + h v + h^2 a/2 and v + h a into X. */
+static hk_status go_ahead(hk_dynamics *d, double h, double *X) {
+  size_t m = 3 * d->system.n;
+  double *a = calloc(d->system.size + 1, sizeof *a), *x = X, *v = X + m;
+  if (!a) return hk_error_set(d->error, HK_NO_MEMORY, "no memory to foretell the stable step");
+  hk_status status = d->system.accelerations(&d->system, d->system.t, x, v, X + 2 * m, a, a + m);
+  for (size_t e = 0; e < m && status == HK_OK; e++) {
+    x[e] += h * (v[e] + h / 2 * a[e]);
+    v[e] += h * a[e];
+  }
+  free(a);
+  return status;
+}
+
+/* Of the state a step ahead the sample of the stiffness or, where *sample is not wanted, the estimate. */
+static hk_status estimate_ahead(hk_step_choice *c, hk_dynamics *d, double h, double *sample) {
+  size_t size = d->system.size;
+  double *kept = malloc((size + 1) * sizeof *kept), *X = d->system.X;
+  hk_counts counts = d->count;
+  if (!kept) return hk_error_set(d->error, HK_NO_MEMORY, "no memory to foretell the stable step");
+  memcpy(kept, X, size * sizeof *kept);
+  hk_status status = go_ahead(d, h, X);
+  if (status == HK_OK) status = sample ? hk_stiffness_sample(&d->system, sample) : estimate(c, d, c->method, NAN);
+  memcpy(X, kept, size * sizeof *kept);
+  free(kept);
+  d->count = counts;
+  return status;
+}
+
+/* The estimate is that of a step ahead, where it allows a shorter step alone: what constraints hold stiffens as their
+ * forces grow, which are none in a chain that is let go from the horizontal, so that the first step would be one of a
+ * frame, and what stiffens in it would be thrown out of its way. A state ahead that cannot be evaluated is no reason to
+ * fail: where the run comes to it, it says so. */
+static hk_status foresee(hk_step_choice *c, hk_dynamics *d) {
+  hk_error error = *d->error;
+  for (bool shorter = true; shorter;) {
+    const hk_step_choice before = *c;
+    double sample = 0, h = c->length.dt;
+    hk_status status = estimate_ahead(c, d, h, &sample);
+    shorter = status == HK_OK && hk_watch_exceeded(&c->watch, sample);
+    if (shorter) status = estimate_ahead(c, d, h, NULL);
+    if (status == HK_NO_MEMORY) return status;
+    shorter = shorter && status == HK_OK && c->dt_suggested < considerably * h;
+    if (shorter)
+      c->length.dt = c->dt_estimated = fmax(h / 4, c->dt_suggested);
+    else
+      *c = before;
+    *d->error = error;
+  }
+  return HK_OK;
+}
+
 static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) {
   take_given(c, given, warnings);
   double h = fmin(given, 1 / c->fps);
@@ -162,11 +244,12 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
     return HK_OK;
   }
   if (status != HK_OK) return status;
-  if (isnan(given))
-    choose(c, d);
-  else
+  if (!isnan(given)) {
     check_given(c, given, d->shared->warnings);
-  return HK_OK;
+    return HK_OK;
+  }
+  choose(c, d);
+  return hk_system_equations(&d->system) > 0 ? foresee(c, d) : HK_OK;
 }
 
 /* After a new limit: the summary reports the smallest, and a chosen dt follows it, up to `most`. */
@@ -228,8 +311,14 @@ static hk_status review(hk_step_length *length, hk_dynamics *d, size_t births, s
 
 static hk_status measure(hk_step_choice *c, hk_dynamics *d, size_t now, bool *risen) {
   double(*block)[6] = allocate_blocks(d);
-  *risen = block && hk_watch_measure(&c->watch, &d->system, block, now);
-  c->length.watch_at = c->watch.next;
+  hk_counts before = d->count;
+  hk_error error = *d->error; /* a sample that fails is left out; the step that fails there says why */
+  double longer = c->dt_suggested / c->length.dt;
+  c->watch.leeway = longer > 1 ? longer * longer : 1;
+  *risen = block && hk_watch_measure(&c->watch, &d->system, block, motion_of(d), now);
+  if (block) *d->error = error;
+  d->count = before;
+  ask_again(c, d);
   free(block);
   return block ? HK_OK : HK_NO_MEMORY;
 }
@@ -242,10 +331,15 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   double old = c->dt_limit;
   bool expected = c->growth_expected, risen = false;
   if (!watches(c, d) || isnan(old)) return HK_OK;
+  if (!hk_watch_calls(&c->watch, motion_of(d), now)) {
+    ask_again(c, d);
+    return HK_OK;
+  }
   hk_status status = reestimate(length, d, false);
   if (status == HK_OK) status = measure(c, d, now, &risen);
   if (status != HK_OK || !risen) return status;
-  if (REVIEW_RISEN * c->estimates_cost <= often(d) * now + REVIEW_FREE * c->estimate_cost) {
+  size_t each = hk_system_equations(&d->system) > 0 ? REVIEW_TAUT : REVIEW_RISEN;
+  if (each * c->estimates_cost <= often(d) * now + REVIEW_FREE * c->estimate_cost) {
     status = reestimate(length, d, true);
     c->estimates_cost += c->estimate_cost;
     if (status == HK_OK) status = measure(c, d, now, &risen);

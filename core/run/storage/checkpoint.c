@@ -166,7 +166,7 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->spectrum = p->spectrum;
   c->watch = p->watch;
   c->length.dt = p->dt;
-  c->length.watch_at = p->watch.next;
+  c->length.watch_at = 0; /* it looks for itself whether to measure */
   c->dt_suggested = p->dt_suggested;
   c->dt_estimated = p->dt_estimated;
   c->dt_limit = p->dt_limit;

@@ -29,7 +29,7 @@ static hk_spectrum estimate(spring_network *w, hk_watch *watch) {
   hk_spectrum s;
   hk_error error = {0};
   assert_int_equal(hk_spectrum_estimate(&w->system, &s, &error), HK_OK);
-  hk_watch_begin(watch, &w->system, scratch, 0);
+  hk_watch_begin(watch, &w->system, scratch, 0, 0);
   return s;
 }
 
@@ -39,8 +39,8 @@ static void stiffen(spring_network *w, double factor) {
 
 /* Two looks: where velocities matter every other one is at the damping. */
 static bool rises(spring_network *w, hk_watch *watch) {
-  bool one = hk_watch_measure(watch, &w->system, scratch, watch->next);
-  return hk_watch_measure(watch, &w->system, scratch, watch->next) || one;
+  bool one = hk_watch_measure(watch, &w->system, scratch, 0, watch->next);
+  return hk_watch_measure(watch, &w->system, scratch, 0, watch->next) || one;
 }
 
 static void what_stays_is_no_rise(void **state) {
