@@ -33,7 +33,6 @@ typedef struct liquid {
   hk_array guess;      /* m^2/s, the last pressure, on the grid */
   hk_array force;      /* of bodies x 12, hk_liquid_bodies */
   double reached;      /* s, the end of the last step */
-  double longest;      /* s, of the last steps */
   double off;          /* by which the density within was off, at most */
   double left;         /* of the divergence, by the step: what a cell gained or lost, at most */
   double drift;        /* of the volume, mean of the last steps; NAN: not known */
@@ -57,7 +56,6 @@ enum { NO_SLIP, FREE_SLIP };
 
 static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
 static const double most_leaked = 0.01;    /* of all the mass that was the liquid */
-static const double forgotten = 0.125;     /* of the longest step, in a step */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
 static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
 
@@ -110,7 +108,6 @@ static const hk_field fields[] = {
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
     {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
     {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
-    {"longest", .number = HK_AT(liquid, longest)},
     {"reached", .number = HK_AT(liquid, reached)},
     {"off", .number = HK_AT(liquid, off)},
     {"left", .number = HK_AT(liquid, left)},
@@ -300,10 +297,10 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   bool again = view->t - c->h < s->reached - 1e-9 * c->h;
   if (!again) s->slot = 1 - s->slot;
   s->reached = view->t;
-  s->longest = fmax((1 - forgotten) * s->longest, c->h);
   double *after = s->affine + (s->slot ? 9 : 0);
   p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
+  double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h);
   m->bodies.force = s->force.item;
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
@@ -321,7 +318,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, c->h);
   if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
   if (status == HK_OK && is_viscous(s) && s->heats) status = hk_liquid_dissipation(m, &s->viscous, &p, s->dissipation);
-  if (status == HK_OK && s->even) status = hk_liquid_even(m, c->h / s->longest);
+  if (status == HK_OK && s->even) status = hk_liquid_even(m, part);
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);

@@ -90,7 +90,8 @@ double hk_liquid_obstacle_speed(const hk_liquid *, const double x[3], int c);
 hk_status hk_liquid_project(hk_liquid *, double *guess);
 /* The displacement that takes denser and thinner places to the density: with q as a pressure, its divergence is the
  * part by which a cell is too full (Kugelstadt, Longva, Thuerey, Bender 2019, Implicit density projection, eq. 10), of
- * which a quarter is made up for in a step; `part`, in (0, 1]: the step's length by that of the longest. */
+ * which a quarter is made up for with part = 1; `part`, in [0, 1]: the step by the time that the density is evened in.
+ */
 hk_status hk_liquid_even(hk_liquid *, double part);
 /* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells; those
  * just beyond the surface are taken from the liquid, too, as no pressure has acted on what particles gave them. */

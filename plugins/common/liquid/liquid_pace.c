@@ -1,6 +1,7 @@
 /* The longest step of a liquid. */
 #include "plugins/common/liquid/liquid_pace.h"
 
+static const double evened_in = 0.5; /* cells that are passed while a quarter of the density is evened */
 static const double pi = 3.14159265358979323846;
 
 /* m, of the axes that it moves along. */
@@ -60,4 +61,8 @@ double hk_liquid_longest_step(const hk_liquid *l, const hk_liquid_pace *pace, co
   if (size > 0) h = fmin(h, way / sqrt(size * depth_along(a, size, p)));
   if (tension > 0) h = fmin(h, sqrt(l->density * cell * cell * cell / (4 * pi * tension)));
   return h;
+}
+
+double hk_liquid_part_to_even(const hk_liquid *l, const hk_liquid_pace *pace, const hk_liquid_particles *p, double h) {
+  return fmin(1, h / hk_liquid_longest_step(l, pace, p, evened_in, 0));
 }

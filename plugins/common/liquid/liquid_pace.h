@@ -21,5 +21,9 @@ void hk_liquid_pull_between(hk_liquid_pace *, const hk_liquid_particles *, const
  * nothing above the liquid (Brackbill, Kothe, Zemach 1992, eq. 61). INFINITY: it is at rest, and nothing pulls. */
 double hk_liquid_longest_step(const hk_liquid *, const hk_liquid_pace *, const hk_liquid_particles *, double courant,
                               double tension);
+/* The part that hk_liquid_even gets for a step of h, s: 1 for what passes half a cell or more. By steps, not by time,
+ * it had no limit for short ones: cells are denser and thinner by chance, and beside the surface the denser alone are
+ * evened, so that a viscous current over a floor was 7 % slower with 8 times the steps (3 % now). */
+double hk_liquid_part_to_even(const hk_liquid *, const hk_liquid_pace *, const hk_liquid_particles *, double h);
 
 #endif

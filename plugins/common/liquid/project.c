@@ -8,7 +8,7 @@ enum { GRAIN = 2048 };
 
 static const double even_to = 1e-3;      /* the residual of the displacement, which is small itself */
 static const double least_excess = 1e-7; /* is not evened */
-static const double at_once = 0.25;      /* of what the density is off, in a longest step */
+static const double at_once = 0.25;      /* of what the density is off, with part = 1 */
 static const double most_push = 0.1;     /* of a cell */
 
 static void row_of(hk_liquid *l, size_t k) {

@@ -151,6 +151,26 @@ static void a_linear_velocity_comes_back(void **state) {
   close_fixture(f);
 }
 
+/* Beside faces of the box that hold the liquid a component that changes along them comes back to the first centres,
+ * too: where nothing moved, many transfers are one. */
+static void what_sticks_comes_back(void **state) {
+  (void)state;
+  for (int plane = 0; plane < 2; plane++) {
+    fixture *f = open_fixture(1, plane ? 0 : 1, 0.25);
+    hk_liquid_grid *g = &f->l.grid;
+    f->l.sticks = true;
+    strew(f, 3000, 0.001, 0.999);
+    hk_liquid_sort(&f->l, &f->p);
+    for (size_t i = 0; i < g->size; i++) g->u[0][i] = 0.3 + (double)(i / g->stride[0] % (g->cells[0] + 2));
+    hk_liquid_gather(&f->l, &f->p, f->affine, f->full);
+    hk_liquid_scatter(&f->l, &f->p);
+    for (size_t i = 0; i < g->size; i++)
+      if (g->weight[0][i] > 0)
+        assert_true(fabs(g->u[0][i] - 0.3 - (double)(i / g->stride[0] % (g->cells[0] + 2))) < 1e-10);
+    close_fixture(f);
+  }
+}
+
 /* After random velocities in a box that is half full. */
 static void no_divergence_is_left(void **state) {
   (void)state;
@@ -342,6 +362,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(transfers_keep_momenta),
       cmocka_unit_test(a_linear_velocity_comes_back),
+      cmocka_unit_test(what_sticks_comes_back),
       cmocka_unit_test(a_sealed_box_that_is_too_full_is_evened),
       cmocka_unit_test(no_divergence_is_left),
       cmocka_unit_test(the_pressure_is_of_order_2_on_a_round_surface),
