@@ -1,7 +1,7 @@
 /* The choice of the step size: dt of the scene or the command line, checked against the stable limit; or, without dt,
  * the limit times a safety factor. The limit is estimated at the start, after events and at some frames. The interval
  * between estimates is a number of evaluations, so that the estimates cost a few percent and runs are reproducible bit
- * by bit. */
+ * by bit. What is chosen resolves beside what functions of time do, and collisions. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/step_choice/step_choice.h"
 
@@ -88,6 +88,27 @@ static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator
 
 hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL, NAN); }
 
+/* The usual number of steps in a collision of the discrete element method. With leapfrog and a restitution of 0.8 it
+ * leaves the speed after a collision right to 0.6 %, and of 0.3 to 5 % (RMS over 64 instants at which the collision
+ * begins); four steps to 6 and 19 %. */
+static const double steps_in_collision = 20;
+
+/* s */
+static double shortest_collision(const hk_dynamics *d) {
+  const hk_instances *forces = &d->plugins->kind[HK_FORCE];
+  double shortest = INFINITY;
+  for (size_t k = 0; k < forces->count; k++) {
+    const hk_instance *force = forces->item[k];
+    if (!d->force_acts[k] || !hk_force_of(force->plugin)->bounds.shortest_collision) continue;
+    hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
+    double lasts = hk_force_of(force->plugin)->bounds.shortest_collision(force->self, &view);
+    hk_leave(force, outer);
+    if (lasts > 0) shortest = fmin(shortest, lasts);
+  }
+  return shortest;
+}
+
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
  */
 static double resolving(const hk_dynamics *d) {
@@ -103,7 +124,7 @@ static double resolving(const hk_dynamics *d) {
     if (spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
     if (spec->rotation.fastest > 0) fastest = fmin(fastest, spec->rotation.fastest);
   }
-  return fastest / 4;
+  return fmin(fastest / 4, shortest_collision(d) / steps_in_collision);
 }
 
 static void choose(hk_step_choice *c, const hk_dynamics *d) {
@@ -170,10 +191,10 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
 }
 
 /* After a new limit: the summary reports the smallest, and a chosen dt follows it, up to `most`. */
-static void keep_least(hk_step_choice *c, double old, bool expected, double most) {
+static void keep_least(hk_step_choice *c, const hk_dynamics *d, double old, bool expected, double most) {
   c->growth_expected |= expected;
   if (c->dt_limit > old) c->dt_limit = old;
-  if (c->chosen) c->length.dt = fmin(most, c->dt_suggested);
+  if (c->chosen) c->length.dt = fmin(fmin(most, c->dt_suggested), shortest_collision(d) / steps_in_collision);
 }
 
 static bool watches(const hk_step_choice *c, const hk_dynamics *d) {
@@ -193,7 +214,7 @@ static hk_status reestimate(hk_step_length *length, hk_dynamics *d, bool event) 
   bool expected = c->growth_expected;
   hk_status status = estimate(c, d, c->method, c->chosen ? NAN : c->length.dt);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
-  keep_least(c, old, expected, c->dt_estimated);
+  keep_least(c, d, old, expected, c->dt_estimated);
   c->dt_estimated = c->length.dt;
   return HK_OK;
 }
@@ -253,7 +274,7 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   }
   hk_watch_raise(&c->watch, &c->spectrum);
   find_limit(c);
-  keep_least(c, old, expected, c->length.dt);
+  keep_least(c, d, old, expected, c->length.dt);
   return HK_OK;
 }
 
