@@ -93,11 +93,11 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(
  * begins); four steps to 6 and 19 %. */
 static const double steps_in_collision = 20;
 
-/* s */
-static double shortest_collision(const hk_dynamics *d) {
+/* s. Implicit methods are chosen to step over what is fast. */
+static double resolving_collisions(const hk_step_choice *c, const hk_dynamics *d) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
   double shortest = INFINITY;
-  for (size_t k = 0; k < forces->count; k++) {
+  for (size_t k = 0; k < forces->count && !(c->method->flags & HK_IMPLICIT); k++) {
     const hk_instance *force = forces->item[k];
     if (!d->force_acts[k] || !hk_force_of(force->plugin)->bounds.shortest_collision) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
@@ -106,7 +106,7 @@ static double shortest_collision(const hk_dynamics *d) {
     hk_leave(force, outer);
     if (lasts > 0) shortest = fmin(shortest, lasts);
   }
-  return shortest;
+  return shortest / steps_in_collision;
 }
 
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
@@ -124,12 +124,12 @@ static double resolving(const hk_dynamics *d) {
     if (spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
     if (spec->rotation.fastest > 0) fastest = fmin(fastest, spec->rotation.fastest);
   }
-  return fmin(fastest / 4, shortest_collision(d) / steps_in_collision);
+  return fastest / 4;
 }
 
 static void choose(hk_step_choice *c, const hk_dynamics *d) {
   hk_warnings *warnings = d->shared->warnings;
-  double frame = 1 / c->fps, most = resolving(d);
+  double frame = 1 / c->fps, most = fmin(resolving(d), resolving_collisions(c, d));
   c->length.dt = c->dt_estimated =
       fmin(most, c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame));
   if (c->growth_expected)
@@ -194,7 +194,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
 static void keep_least(hk_step_choice *c, const hk_dynamics *d, double old, bool expected, double most) {
   c->growth_expected |= expected;
   if (c->dt_limit > old) c->dt_limit = old;
-  if (c->chosen) c->length.dt = fmin(fmin(most, c->dt_suggested), shortest_collision(d) / steps_in_collision);
+  if (c->chosen) c->length.dt = fmin(fmin(most, c->dt_suggested), resolving_collisions(c, d));
 }
 
 static bool watches(const hk_step_choice *c, const hk_dynamics *d) {
