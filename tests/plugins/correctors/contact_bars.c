@@ -180,11 +180,36 @@ static void a_trestle_carries_its_top(void **state) {
                      floor, 3, (const double[]){-half * sqrt(5) / 2, -half * sqrt(5) / 2, half / 2});
 }
 
+/* A box of 2 kg that is fixed on one of 3 kg, which lies on the floor: the joint bears the weight of the upper one. */
+static void a_joint_bears_the_body_above(void **state) {
+  (void)state;
+  static test_result r;
+  for (int floor = 0; floor < 2; floor++) {
+    char text[2048];
+    snprintf(
+        text, sizeof text,
+        "local scene = hooke.scene { duration = 0.1, fps = 100, dt = 0.01, integrator = 'leapfrog' }\n"
+        "local function box(z, m)\n"
+        "  local body = scene:rigid { shape = 'box', size = { 0.2, 0.2, 0.2 }, position = { 0, 0, z }, mass = m }\n"
+        "  body:surface()\n"
+        "  return body\n"
+        "end\n"
+        "local joint = scene:joint { kind = 'fixed', a = box(0.1005, 3), b = box(0.35, 2), at = { 0, 0, 0.22 } }\n"
+        "scene:force('gravity')\n%s"
+        "scene:measure('z', function(s) return joint:force(s)[3] end)\nreturn scene\n",
+        floors[floor]);
+    test_write("joint.lua", text);
+    test_hooke(&r, NULL, "run joint.lua --json --quiet --no-output --no-check");
+    double z = test_json(r.out, "z");
+    if (!(fabs(z + 2 * 9.81) < 1e-6 * 2 * 9.81)) fail_msg("floor %d: %.9g N, %s", floor, z, r.err);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_rod_gains_no_energy_by_friction), cmocka_unit_test(a_rod_that_turns_fast_keeps_its_energy),
       cmocka_unit_test(bars_meet_between_their_ends),      cmocka_unit_test(a_mast_carries_what_is_above),
-      cmocka_unit_test(a_trestle_carries_its_top),
+      cmocka_unit_test(a_trestle_carries_its_top),         cmocka_unit_test(a_joint_bears_the_body_above),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
