@@ -37,6 +37,8 @@
 #include "plugins/common/contact/impulses/warm_start.h"
 #include "plugins/kit/vector3.h"
 
+#include <string.h>
+
 enum {
   ROUNDS = 6 /* of solutions and narrow phases in a step */,
   FACES = 4 /* of these with corners of faces alone */,
@@ -68,6 +70,7 @@ typedef struct contact {
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
   hk_awake awake;
   hk_array known; /* hk_warm_pair: the impulses of the last step */
+  double *force;  /* n x 3, N: the mean of the last step's impulses, where there are bodies */
   contact_times seconds;
 } contact;
 
@@ -90,6 +93,7 @@ static const hk_field fields[] = {
     HK_IMPULSE_CONTACT_FIELDS,
     {"began", .integer = HK_AT(contact, began)},
     {"known", .array = HK_AT(contact, known), .width = sizeof(hk_warm_pair)},
+    {"force", .per_particle = HK_AT(contact, force), .width = 3},
     {"divisions", .integer = HK_AT(contact, divisions)},
     {"divided", .number = HK_AT(contact, divided)},
     {"seconds", .number = HK_AT(contact, seconds.all), .flags = HK_SCRATCH},
@@ -200,6 +204,7 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   if (status != HK_OK) return status;
   c->changed |= done.pushing > 0;
   s->base.last.impulse += done.impulse;
+  if (!single) hk_impact_add_forces(solver.impact, solver.count, c->h, s->force);
   s->seconds.impulses += hk_own_time() - begin;
   return c->filter ? refuse_slides(s, view, &solver) : HK_OK;
 }
@@ -274,6 +279,7 @@ static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   hk_impulse_contact_begin(&s->base, view, c);
   uint64_t began = s->now;
   hk_status status = hk_body_impacts_begin(&s->bodies, view, false);
+  if (s->bodies.count) memset(s->force, 0, 3 * view->n * sizeof *s->force);
   if (status == HK_OK) status = find_candidates(s, &move);
   if (status == HK_OK) status = check_start(s, view, c->h);
   if (status == HK_OK) status = find_landing(s, view, c, &move, &c->part);
@@ -307,11 +313,17 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   hk_pair_cache_points(&s->base.cache, view->x, slack, points);
 }
 
+static void mean_forces(const void *self, const hk_view *view, double *F) {
+  const contact *s = self;
+  for (size_t e = 0; e < 3 * view->n && s->bodies.count; e++) F[e] += s->force[e];
+}
+
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT | HK_TAKES_BODIES,
                                        .correct = correct,
                                        .contacts = hk_impulse_contact_report,
-                                       .contact_points = contact_points};
+                                       .contact_points = contact_points,
+                                       .mean_forces = mean_forces};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -74,6 +74,7 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     {"history", .array = HK_AT(obstacle, history), .width = sizeof(hk_pose), .flags = HK_COUNTED},
+    {"force", .per_particle = HK_AT(obstacle, bodies.force), .width = 3},
     {"warned", .integer = HK_AT(obstacle, warned)},
     {"divisions", .integer = HK_AT(obstacle, divisions)},
     {"divided", .number = HK_AT(obstacle, divided)},
@@ -292,11 +293,17 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   }
 }
 
+static void mean_forces(const void *self, const hk_view *view, double *F) {
+  const obstacle *s = self;
+  for (size_t e = 0; e < 3 * view->n && s->bodies.features; e++) F[e] += s->bodies.force[e];
+}
+
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT | HK_TAKES_BODIES,
                                        .correct = correct,
                                        .violation = violation,
-                                       .contact_points = contact_points};
+                                       .contact_points = contact_points,
+                                       .mean_forces = mean_forces};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

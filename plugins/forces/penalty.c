@@ -260,6 +260,17 @@ static bool encounters(const void *self, const hk_view *to, const double *x_from
   return true;
 }
 
+/* Half a period of the lightest particle that is free; damping hardly shortens it. */
+static double shortest_collision(void *self, const hk_view *view) {
+  const penalty *s = self;
+  double lightest = INFINITY;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = hk_acting_particle(view, k);
+    if (view->model->inverse_mass[i] > 0) lightest = fmin(lightest, view->model->mass[i]);
+  }
+  return s->k > 0 ? M_PI * sqrt(lightest / s->k) : INFINITY;
+}
+
 /* For outputs: where it was in the last evaluation of the step. */
 static hk_status accepted(void *self, const hk_view *view, double h) {
   penalty *s = self;
@@ -317,8 +328,9 @@ static const hk_force force = {
     .add_part = add_part,
     .energy = energy,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_STEPS_FACET(.accepted = accepted),
-                        HK_ENCOUNTERS_FACET(.find = encounters), HK_PICTURES_FACET(.contact_points = contact_points)),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .shortest_collision = shortest_collision),
+                        HK_STEPS_FACET(.accepted = accepted), HK_ENCOUNTERS_FACET(.find = encounters),
+                        HK_PICTURES_FACET(.contact_points = contact_points)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -6,14 +6,15 @@
  * leave no trace and opposite forces have the same bits. What a contact remembers, the slip of its tangential spring,
  * belongs to the pair of ids and changes at accepted steps alone (contact_history.h).
  *
- * With a channel of angular velocities whose rate is this force, spheres are solid balls that roll and spin:
- *     scene:channel("spin", { size = 3, rate = "soft_spheres" }),     scene:force("soft_spheres", { spin = "spin", ...
- * }) Forces act at the middle of the overlap, so angular momentum is kept as well. The energy is that of the normal
+ * With a channel of angular velocities spheres are solid balls that roll and spin:
+ *     scene:channel("spin", { size = 3 })
+ *     scene:force("soft_spheres", { spin = "spin", ... })
+ * Forces act at the middle of the overlap, so angular momentum is kept as well. The energy is that of the normal
  * springs and, unless another force of grains has it (spins.h), of the spin; dashpots, friction and the tangential
  * springs work (HK_POWER).
  *
  * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived in crowd.c, or
- * from those that it has now, if they are more. */
+ * from those that it has now, if they are more. A chosen step is at most a twentieth of the shortest collision. */
 #include "plugins/common/grains/crowd.h"
 #include "plugins/common/grains/grain_tables.h"
 
@@ -308,6 +309,10 @@ static double longest_step(void *self, const hk_view *view) {
   return hk_spheres_longest_step(&((const soft_spheres *)self)->spheres, view);
 }
 
+static double shortest_collision(void *self, const hk_view *view) {
+  return hk_grain_collision(&((const soft_spheres *)self)->law, hk_spheres_least_mass(view, false));
+}
+
 /* ---- the plugin ---- */
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -360,7 +365,8 @@ static const hk_force force = {
     .add = add,
     .energy = energy,
     .rates = rates,
-    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step,
+                                        .shortest_collision = shortest_collision),
                         HK_STEPS_FACET(.update = update, .accepted = accepted),
                         HK_PICTURES_FACET(.contact_points = contact_points)),
 };

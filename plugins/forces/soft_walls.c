@@ -232,6 +232,10 @@ static double longest_step(void *self, const hk_view *view) {
   return hk_spheres_longest_step(&((const soft_walls *)self)->spheres, view);
 }
 
+static double shortest_collision(void *self, const hk_view *view) {
+  return hk_grain_collision(&((const soft_walls *)self)->law, hk_spheres_least_mass(view, true));
+}
+
 /* ---- the plugin ---- */
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
@@ -357,7 +361,8 @@ static const hk_force force = {
     .add = add,
     .energy = energy,
     .rates = rates,
-    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step,
+                                        .shortest_collision = shortest_collision),
                         HK_STEPS_FACET(.update = update, .accepted = accepted),
                         HK_PICTURES_FACET(.contact_points = contact_points)),
 };

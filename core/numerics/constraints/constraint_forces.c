@@ -1,6 +1,7 @@
 /* The forces of constraints at one state, for scripts. They are what an evaluation at that state gives, whatever
  * method moves the particles and wherever it evaluated last: the multipliers lambda that keep the equations' second
- * derivatives at 0 under the forces of that time, and J^T lambda on the particles.
+ * derivatives at 0 under the forces of that time, and J^T lambda on the particles. What contact presses comes in
+ * impulses after the steps; of the last step they count as their mean force.
  *
  * Equations that follow from others take their part here: all are solved for together, with the multipliers of least
  * norm, so that two bars side by side carry half of the load each. In evaluations they rest, and the motion is the
@@ -24,6 +25,23 @@ void hk_constraint_range(const hk_dynamics *d, size_t k, size_t *begin, size_t *
   *end = d->constraints->equation_first[k + 1];
 }
 
+/* What correctors pressed in the last step, on its mean. */
+static void add_impulses(hk_dynamics *d, double *a, double *F) {
+  const hk_instances *correctors = &d->plugins->kind[HK_CORRECTOR];
+  size_t n = d->state->model.n;
+  for (size_t k = 0; k < correctors->count; k++) {
+    const hk_instance *c = correctors->item[k];
+    if (!c->plugin->corrector->mean_forces) continue;
+    hk_view view = hk_instance_view(c, &d->state->view);
+    memset(F, 0, 3 * n * sizeof *F);
+    const hk_instance *outer = hk_enter(c);
+    c->plugin->corrector->mean_forces(c->self, &view, F);
+    hk_leave(c, outer);
+    hk_riders_gather(&d->state->model, F);
+    for (size_t e = 0; e < 3 * n; e++) a[e] += F[e] * d->state->inverse_mass[e / 3];
+  }
+}
+
 /* F/m of all forces, with the pins. */
 static hk_status free_acceleration(hk_dynamics *d, double *a, double *F) {
   size_t n = d->state->model.n;
@@ -35,6 +53,7 @@ static hk_status free_acceleration(hk_dynamics *d, double *a, double *F) {
     hk_riders_gather(&d->state->model, F);
     for (size_t e = 0; e < 3 * n; e++) a[e] += F[e] * d->state->inverse_mass[e / 3];
   }
+  add_impulses(d, a, F);
   if (d->pins->has_slides) hk_pins_filter(d->pins, a);
   return HK_OK;
 }

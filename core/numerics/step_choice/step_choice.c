@@ -1,7 +1,7 @@
 /* The choice of the step size: dt of the scene or the command line, checked against the stable limit; or, without dt,
  * the limit times a safety factor. The limit is estimated at the start, after events and at some frames. The interval
  * between estimates is a number of evaluations, so that the estimates cost a few percent and runs are reproducible bit
- * by bit. */
+ * by bit. What is chosen resolves beside what functions of time do, and collisions. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/constraints/constraints.h"
 #include "core/numerics/step_choice/step_choice.h"
@@ -118,6 +118,27 @@ static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator
 
 hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL, NAN); }
 
+/* The usual number of steps in a collision of the discrete element method. With a symplectic method of order 2 and a
+ * restitution of 0.8 it leaves the speed after a collision right to 0.6 %, and of 0.3 to 5 % (RMS over 64 instants at
+ * which the collision begins); four steps to 6 and 19 %. */
+static const double steps_in_collision = 20;
+
+/* s. Implicit methods are chosen to step over what is fast. */
+static double resolving_collisions(const hk_step_choice *c, const hk_dynamics *d) {
+  const hk_instances *forces = &d->plugins->kind[HK_FORCE];
+  double shortest = INFINITY;
+  for (size_t k = 0; k < forces->count && !(c->method->flags & HK_IMPLICIT); k++) {
+    const hk_instance *force = forces->item[k];
+    if (!d->force_acts[k] || !hk_force_of(force->plugin)->bounds.shortest_collision) continue;
+    hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
+    double lasts = hk_force_of(force->plugin)->bounds.shortest_collision(force->self, &view);
+    hk_leave(force, outer);
+    if (lasts > 0) shortest = fmin(shortest, lasts);
+  }
+  return shortest / steps_in_collision;
+}
+
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
  */
 static double resolving(const hk_dynamics *d) {
@@ -138,7 +159,7 @@ static double resolving(const hk_dynamics *d) {
 
 static void choose(hk_step_choice *c, const hk_dynamics *d) {
   hk_warnings *warnings = d->shared->warnings;
-  double frame = 1 / c->fps, most = resolving(d);
+  double frame = 1 / c->fps, most = fmin(resolving(d), resolving_collisions(c, d));
   c->length.dt = c->dt_estimated =
       fmin(most, c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame));
   if (c->growth_expected)
@@ -253,10 +274,10 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
 }
 
 /* After a new limit: the summary reports the smallest, and a chosen dt follows it, up to `most`. */
-static void keep_least(hk_step_choice *c, double old, bool expected, double most) {
+static void keep_least(hk_step_choice *c, const hk_dynamics *d, double old, bool expected, double most) {
   c->growth_expected |= expected;
   if (c->dt_limit > old) c->dt_limit = old;
-  if (c->chosen) c->length.dt = fmin(most, c->dt_suggested);
+  if (c->chosen) c->length.dt = fmin(fmin(most, c->dt_suggested), resolving_collisions(c, d));
 }
 
 static bool watches(const hk_step_choice *c, const hk_dynamics *d) {
@@ -276,7 +297,7 @@ static hk_status reestimate(hk_step_length *length, hk_dynamics *d, bool event) 
   bool expected = c->growth_expected;
   hk_status status = estimate(c, d, c->method, c->chosen ? NAN : c->length.dt);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
-  keep_least(c, old, expected, c->dt_estimated);
+  keep_least(c, d, old, expected, c->dt_estimated);
   c->dt_estimated = c->length.dt;
   return HK_OK;
 }
@@ -347,7 +368,7 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   }
   hk_watch_raise(&c->watch, &c->spectrum);
   find_limit(c);
-  keep_least(c, old, expected, c->length.dt);
+  keep_least(c, d, old, expected, c->length.dt);
   return HK_OK;
 }
 

@@ -27,6 +27,9 @@ typedef struct hk_bounds_facet {
    * present positions and, with HK_STIFFENS, of all states that may follow. NULL: the host measures the stiffness. */
   void (*stiffness_bound)(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
   double (*longest_step)(void *self, const hk_view *view); /* s, upper bound of the next step; NULL: no bound */
+  /* s, of the shortest collision that may come: a twentieth of it is the longest step that the host chooses for a
+   * method that is not implicit; a step that is given is not touched. INFINITY: none; NULL: the force makes none. */
+  double (*shortest_collision)(void *self, const hk_view *view);
 } hk_bounds_facet;
 
 #endif

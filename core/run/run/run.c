@@ -108,12 +108,13 @@ static hk_status no_label(const hk_run *run, hk_kind kind, const char *label, hk
 
 static hk_status no_memory(hk_error *error) { return hk_error_set(error, HK_NO_MEMORY, "no memory for the forces"); }
 
-/* Impulses are given between steps, and no multiplier of a state carries them. */
+/* Impulses are given between steps, and no multiplier of a state carries those of a corrector that does not tell them.
+ */
 static void warn_of_impulses(hk_run *run) {
   const hk_instances *correctors = &run->plugins.kind[HK_CORRECTOR];
   for (size_t k = 0; k < correctors->count; k++) {
     const hk_instance *c = correctors->item[k];
-    if (!(c->plugin->corrector->flags & HK_TAKES_BODIES)) continue;
+    if (!(c->plugin->corrector->flags & HK_TAKES_BODIES) || c->plugin->corrector->mean_forces) continue;
     hk_warn(&run->warnings,
             "%s%s'%s' presses by impulses, which the forces of constraints that are asked for do not contain: while it "
             "touches what they join, they are too small; a force that keeps apart in its place is contained",

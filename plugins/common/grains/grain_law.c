@@ -25,6 +25,12 @@ double hk_grain_damping(double restitution) {
   return high;
 }
 
+double hk_grain_collision(const hk_grain_law *law, double mass) {
+  double along = hk_grain_duration(law->damping) / sqrt(law->stiffness / mass);
+  if (!(law->friction > 0 && law->tangential > 0)) return along;
+  return fmin(along, M_PI / sqrt(law->yielding * law->tangential / mass));
+}
+
 hk_grain_bound hk_grain_stiffness(const hk_grain_law *law, hk_stiffness_part part, double mass) {
   double k = law->stiffness, across = law->friction > 0 ? law->tangential : 0, q = law->yielding;
   if (part != HK_DAMPING_WHOLE) return (hk_grain_bound){k, q * across};

@@ -34,6 +34,9 @@ typedef struct hk_grain_contact {
 double hk_grain_damping(double restitution);
 /* t of above times w. */
 double hk_grain_duration(double damping);
+/* s, of a collision with the effective mass `mass`, kg: t of above, or half a period of the spring across, m/(q k_t),
+ * where that is shorter. */
+double hk_grain_collision(const hk_grain_law *, double mass);
 
 /* The stiffness of a contact along the normal and across it: of -dF/dx, N/m, or of -dF/dv, N s/m; mass: an effective
  * mass that no contact of the sphere exceeds. Spheres that turn are as fast across it as if it were q times that. */

@@ -86,3 +86,14 @@ double hk_spheres_longest_step(const hk_spheres *s, const hk_view *view) {
   }
   return travel * hk_spheres_measure(s, view).smallest / sqrt(most2);
 }
+
+double hk_spheres_least_mass(const hk_view *view, bool fixed) {
+  double least = INFINITY, second = INFINITY;
+  for (size_t k = 0; k < view->acting; k++) {
+    double m = view->model->mass[acting(view, k)];
+    second = fmin(second, fmax(least, m));
+    least = fmin(least, m);
+  }
+  if (fixed) return least;
+  return isinf(second) ? INFINITY : least * second / (least + second);
+}

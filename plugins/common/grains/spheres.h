@@ -31,6 +31,9 @@ static inline double hk_sphere_radius(const hk_spheres *s, const hk_view *view, 
 /* dy += torque / inertia for the spins of the particles that the view's force acts on; torque: n x 3, N m. */
 void hk_spheres_turn(const hk_spheres *, const hk_view *view, const double *torque, double *dy);
 void hk_spheres_keep_spin(const hk_spheres *, const hk_view *view, double *spin); /* copies the spins, n x 3 */
+/* kg, the least of the masses of two spheres together, m M/(m + M); with `fixed`, of one against a wall. INFINITY:
+ * there are none. */
+double hk_spheres_least_mass(const hk_view *view, bool fixed);
 /* s, in which the fastest goes a quarter of the smallest radius, so that no contact is passed by unseen. */
 double hk_spheres_longest_step(const hk_spheres *, const hk_view *view);
 

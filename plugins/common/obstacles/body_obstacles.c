@@ -314,6 +314,7 @@ static hk_status one_round(hk_body_obstacles *s, const hk_obstacle_moves *m, con
   hk_status status = build(s, m, &solver);
   if (status == HK_OK && solver.count) status = hk_body_gauss_seidel(&s->impacts, &solver, &move, &done);
   if (status == HK_OK && solver.count) status = refuse_paradox(s, &solver);
+  if (status == HK_OK) hk_impact_add_forces(s->impact, solver.count, c->h, s->force);
   s->now = solver.now;
   c->changed |= done.pushing > 0 || done.impulse > 0;
   return status;
@@ -323,6 +324,7 @@ hk_status hk_body_obstacles_solve(hk_body_obstacles *s, const hk_view *view, hk_
   const hk_obstacle_moves m = {c->h, c->x_before, c->v_before, c->x, c->v};
   const hk_body_contact *worst = NULL;
   hk_status status = HK_OK;
+  memset(s->force, 0, 3 * view->n * sizeof *s->force);
   if (s->contacts == 0) return HK_OK;
   memcpy(s->end, c->x, 3 * view->n * sizeof *c->x);
   memcpy(s->end + 3 * view->n, c->v, 3 * view->n * sizeof *c->v);

@@ -32,6 +32,7 @@ typedef struct hk_body_obstacles {
   bool *touch;
   size_t impact_room, arms_room, moments_room, slip_room, friction_room, touch_room;
   uint64_t *moved, *touched, now; /* for gauss_seidel.h */
+  double *force;                  /* n x 3, N: the mean of the last step's impulses; the plugin's */
   double *end;                    /* 6 n: x and v of the end of the step before corrections */
 } hk_body_obstacles;
 

@@ -60,3 +60,10 @@ bool hk_impact_last(hk_impact *k, const hk_step_move *m, double near) {
   hk_copy(k->place.origin, from);
   return true;
 }
+
+void hk_impact_add_forces(const hk_impact *impact, size_t count, double h, double *F) {
+  for (const hk_impact *k = impact; k < impact + count; k++)
+    for (int i = 0; i < 4; i++)
+      for (size_t c = 0; c < 3 && k->frame.w[i] != 0; c++)
+        F[3 * k->pair.vertex[i] + c] += k->frame.w[i] / h * (k->speed.push * k->frame.n[c] + k->speed.slide[c]);
+}

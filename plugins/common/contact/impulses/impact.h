@@ -54,4 +54,7 @@ void hk_impact_set(hk_impact *, const hk_step_move *, double restitution, bool a
  * the last step. */
 bool hk_impact_last(hk_impact *, const hk_step_move *, double near);
 
+/* F += the force of the solved impacts on the particles, N, n x 3: the mean of their impulses over a step of h s. */
+void hk_impact_add_forces(const hk_impact *, size_t count, double h, double *F);
+
 #endif
