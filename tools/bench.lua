@@ -205,7 +205,8 @@ local function main()
   if not b then return complain("%s", why) end
   local name = o.scene:match("([^/]+)%.lua$") or o.scene
   local out = o.out or "out/bench/" .. name
-  if not files.make_folder(out) then return refuse_file(("the folder %s cannot be made"):format(out)) end
+  local made, refused = files.make_folder(out)
+  if not made then return refuse_file(refused) end
   b.record, why = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
   if not b.record then return refuse_file(why) end
   local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil

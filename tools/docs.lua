@@ -97,7 +97,8 @@ end
 local function write(folder, options)
   local plugins = hooke.catalogue()
   local pages = all_pages(plugins)
-  if not files.make_folder(folder) then error({ sentence = ("cannot make the folder %s"):format(folder) }) end
+  local made, refused = files.make_folder(folder)
+  if not made then error({ sentence = refused }) end
   for _, p in ipairs(pages) do
     if not options.quiet then print(("%s/%s"):format(folder, p.file)) end
     local body = p.body and p.body() or lessons.html(p.text, folder, not options.no_pictures and has(plugins, "frames"))

@@ -157,7 +157,8 @@ end
 -- Says where the diagram is, or why there is none.
 local function draw(o, study)
   local out = o.out or "out/cost/" .. o.path:match("([^/]+)$"):gsub("%.lua$", "")
-  if not files.make_folder(out) then return fail(("the folder %s cannot be made"):format(out)) end
+  local made, refused = files.make_folder(out)
+  if not made then return fail(refused) end
   local absent, why = require("common.cost.cost_diagram").draw(out .. "/cost", study)
   if not absent then return fail(why) end
   print(("\nwrote %s/cost.png and cost.svg%s"):format(out,

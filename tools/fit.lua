@@ -168,7 +168,8 @@ local function ready(o)
   if not fine then return nil, why end
   fine, why = read_data(o, explained)
   if not fine then return nil, why end
-  if not files.make_folder(o.out) then return nil, "cannot make the folder " .. o.out end
+  local made, refused = files.make_folder(o.out)
+  if not made then return nil, refused end
   return prepare(o)
 end
 

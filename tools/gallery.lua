@@ -199,7 +199,8 @@ if not plan then
   return fail(("%s is no list of scenes: %s; scripts/gallery.lua is one, and a scene is run by hooke run or hooke view"):format(
     list, why))
 end
-if not files.make_folder(o.out) then return fail(("the folder %s cannot be made"):format(o.out), 4) end
+local made, refused = files.make_folder(o.out)
+if not made then return fail(refused, 4) end
 local folder = list:match("^(.*)/[^/]*$") or "."
 local pictures, shown = stills(plan, o, folder)
 if not pictures then return fail(shown) end

@@ -74,7 +74,8 @@ local function ready(o)
   if not fine then return nil, why end
   o.plugin = start.integrator
   o.backwards = o.way == "backwards" or o.way == "auto" and #o.parameters > derivative.most_forwards
-  if not files.make_folder(o.out) then return nil, "cannot make the folder " .. o.out end
+  local made, refused = files.make_folder(o.out)
+  if not made then return nil, refused end
   return true
 end
 

@@ -77,7 +77,8 @@ end
 -- What has been found so far stands in the results' folder, and the best controls of every moment.
 local function open_memory(o)
   local why
-  if not files.make_folder(o.out) then return nil, "cannot make the folder " .. o.out end
+  local made, refused = files.make_folder(o.out)
+  if not made then return nil, refused end
   o.memory, why = memory.open(o.out .. "/evaluations.json", journal.of_scene(o.scene, o.params) .. journal.canonical { o.controls,
     o.goals, o.cost or "", o.integrator or "", o.dt or "", o.without })
   o.keep = function(controls) report.keep(o, controls) end

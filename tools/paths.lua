@@ -206,7 +206,8 @@ end
 local function main()
   local o, why = options()
   if not o then return why and complain("%s", why) or 1 end
-  if not files.make_folder(o.out) then return complain("cannot make the folder %s", o.out) and 4 end
+  local made, refused = files.make_folder(o.out)
+  if not made then return complain("%s", refused) and 4 end
   local results = run_all(o)
   if say(o, results) == 0 then return complain("no method gave a path: the lines above say why") end
   local missing = never_there(o, results)

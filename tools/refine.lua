@@ -29,7 +29,10 @@ local function halved(o)
   o.params[o.of] = nil
   local fine
   fine, why = parameters.complete(wanted, declared, o.params)
-  if not fine then return nil, (why:gsub("^%-%-by: ", "--of: ")) end
+  if not fine then
+    local remedy = why:find("; it has ", 1, true) and ": name the one that is halved, --of NAME" or ""
+    return nil, why:gsub("^%-%-by: ", "--of: ") .. remedy
+  end
   local p = wanted[1]
   p.value = tonumber(given or p.start)
   if not (p.value and p.value > 0) then
@@ -91,7 +94,7 @@ local function names_of(whole)
   return list
 end
 
--- Returns the largest change of all, by a measure's largest value.
+-- Returns the measure that changes most, by its largest value, and how much.
 local function say(whole, half)
   local worst
   for _, name in ipairs(names_of(whole)) do
@@ -100,12 +103,12 @@ local function say(whole, half)
     if not found then
       print(("  %s is a measure of one of the two alone"):format(name))
     elseif change == 0 then
-      print(("  %s stays %.6g"):format(name, found.first))
+      print(("  %s: %.6g in both"):format(name, found.first))
     else
-      print(("  %s goes from %.6g to %.6g at the end, and changes by %.2g %% of its largest value at most, at t = %g s"):format(name,
+      print(("  %s: %.6g, then %.6g at the end; the largest difference is %.2g %% of its largest value, at t = %g s"):format(name,
         found.first, found.last, 100 * change, found.t))
     end
-    if change then worst = math.max(worst or 0, change) end
+    if change and (not worst or change > worst.change) then worst = { name = name, change = change } end
   end
   return worst
 end
@@ -130,17 +133,16 @@ local whole, half = runs[1], runs[2]
 if #names_of(whole) == 0 then
   return complain("the scene has no measure that could be compared: scene:measure(name, function(state) ... end)")
 end
-print(("with half of %s, %g in the place of %g (%d particles, %d before):"):format(p.name, p.value / 2, p.value, half.particles,
-  whole.particles))
+print(("%s = %g (%d particles), then %g (%d):"):format(p.name, p.value, whole.particles, p.value / 2, half.particles))
 local worst = say(whole, half)
 for k, run in ipairs(runs) do
   if run.verdict ~= "ok" then
     print(("  the run with %s = %g is %s: %s"):format(p.name, p.value / k, run.verdict, run.reason))
   end
 end
-if o.within and not (worst and worst <= o.within) then
-  print(("inaccurate: a measure changes by %.2g %%, more than the %.2g %% allowed: take smaller cells"):format(100 * (worst or 1),
-    100 * o.within))
+if o.within and not (worst and worst.change <= o.within) then
+  print(worst and ("inaccurate: %s changes by %.2g %%, more than --within allows (%.2g %%): take a smaller %s"):format(worst.name,
+    100 * worst.change, 100 * o.within, p.name) or "inaccurate: no measure is there in both runs, so nothing was compared")
   return inaccurate
 end
 return 0

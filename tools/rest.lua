@@ -76,7 +76,8 @@ end
 
 local o, why = options()
 if not o then return why and command_line.complain("rest", why) or 1 end
-if not files.make_folder(o.out) then return command_line.complain("rest", ("cannot make the folder %s"):format(o.out)) end
+local made, refused = files.make_folder(o.out)
+if not made then return command_line.complain("rest", refused) end
 local found
 found, why = find(o)
 if not found then

@@ -217,13 +217,17 @@ local function main()
   local fine
   fine, why = read_others(o)
   if not fine then return refuse_file(why) end
-  if not files.make_folder(o.out) then return refuse_file("cannot make the folder " .. o.out) end
+  fine, why = files.make_folder(o.out)
+  if not fine then return refuse_file(why) end
   local rows = measure_all(o)
-  print_rows(o, rows)
   for _, row in ipairs(rows) do
-    if row.result.cost then return write_all(o, rows) end
+    if row.result.cost then
+      print_rows(o, rows)
+      return write_all(o, rows)
+    end
   end
-  return complain("no run gave a cost: the lines above say why")
+  local first = rows[1]
+  return complain("no run gave a cost; the first, of %s=%s: %s", o.name, first.case.value, first.result.failed or "no step was taken")
 end
 
 return main()

@@ -7,6 +7,12 @@
 
 typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED, HK_STOPPED } hk_verdict;
 
+/* Forces in what joins two particles, one by one. */
+typedef struct hk_pair_forces {
+  void *context;
+  void (*add)(void *context, uint32_t i, uint32_t j, double force); /* N, positive in tension */
+} hk_pair_forces;
+
 typedef struct hk_frame hk_frame;
 struct hk_frame {
   size_t index; /* 0 is the start */
@@ -36,6 +42,11 @@ struct hk_frame {
   /* Adds all places where something touches, as forces and correctors tell. False: nothing of this scene ever does.
    * NULL for the points: to know just that. */
   bool (*contact_points)(const hk_frame *, const hk_contact_points *);
+  /* Adds the forces in links of a length: those of constraints' equations that act between two particles along their
+   * line. They are those that keep the equations under the forces of this time; it costs an evaluation, of which
+   * nothing stays. HK_OK also where there are none; otherwise why they cannot be told. NULL: this host tells none;
+   * since minor 4. */
+  hk_status (*bar_forces)(const hk_frame *, const hk_pair_forces *);
 };
 
 /* `view` in the calls of an output is at the frame's time. Between open and close the scene may gain and lose

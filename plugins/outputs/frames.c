@@ -44,11 +44,12 @@ static const hk_param params[] = {
      .limits = HK_WITHIN(16, 8192)},
     {"every", "frames", "draw every so many frames", .integer = HK_AT(frames, every), .initial = {1},
      .limits = HK_WITHIN(1, 1e9)},
-    {"color", "", "auto, none, strain, speed, age, mass, group, or a channel (of three numbers: red, green, blue)",
+    {"color", "",
+     "auto, none, strain, tension (N), stress (N/m or Pa), speed, age, mass, group, or a channel (of three: rgb)",
      .string = HK_AT(frames, names.color), .text = "auto"},
     {"plain", "", "red, green and blue of everything with color = \"none\", 0 to 1; left out: blue",
      .vector = HK_AT(frames, plain), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
-    {"map", "", "colours of numbers; auto: diverging for strain, inferno for glow, else viridis",
+    {"map", "", "colours of numbers; auto: diverging for strain, tension and stress, inferno for glow, else viridis",
      .choice = HK_AT(frames, map), .choices = "auto|" HK_MAP_NAMES},
     {"reverse", "", "the colours from end to end: what is small gets the last", .boolean = HK_AT(frames, reverse)},
     {"range", "", "smallest and largest number of the colours; left out: chosen from the whole motion",
@@ -190,7 +191,7 @@ static void plan_colours(frames *f) {
   hk_film *film = &f->film;
   hk_paint paint = film->appearance.paint;
   film->map = f->map                         ? (hk_colormap)(f->map - 1)
-              : paint == HK_PAINT_STRAIN     ? HK_MAP_DIVERGING
+              : hk_paints_elements(paint)    ? HK_MAP_DIVERGING
               : style_of(f) == HK_STYLE_GLOW ? HK_MAP_INFERNO
                                              : HK_MAP_VIRIDIS;
   film->reverse = f->reverse;
@@ -263,7 +264,7 @@ static bool is_all_liquid(const frames *f, const hk_model *m) {
          m->triangles.count == 0 && m->element_lists == 0;
 }
 
-static hk_status choose_look(frames *f, const hk_model *m) {
+static hk_status choose_look(frames *f, const hk_model *m, bool whole) {
   hk_appearance *appearance = &f->film.appearance;
   appearance->springs = f->springs, appearance->particles = f->particles;
   appearance->streak = f->streak, appearance->y_up = f->up == Y_UP;
@@ -274,7 +275,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   if (!isnan(f->tube) && names.tubes)
     return f->host->fail(f->host, HK_BAD_PARAM, "tube: tubes has the radii; leave one of the two out");
   if (!isnan(f->tube)) names.tubes = "";
-  hk_status status = hk_appearance_choose(appearance, f->host, m, &names, &f->film.label);
+  hk_status status = hk_appearance_choose(appearance, f->host, m, whole, &names, &f->film.label);
   if (status == HK_OK && one_size && appearance->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
                          names.size);
@@ -322,7 +323,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (!f->pictures && !f->video && !f->sheet)
     host->warn(host, "pictures, video and sheet are all off: nothing is written");
   if (status == HK_OK) status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
-  if (status == HK_OK) status = choose_look(f, view->model);
+  if (status == HK_OK) status = choose_look(f, view->model, false);
   f->film.volume_optics = f->volume_optics;
   if (status == HK_OK) status = hk_volumes_choose(host, &f->volume_optics, f->up == Y_UP, &f->film.volumes);
   if (status == HK_OK && f->unit && f->film.appearance.paint != HK_PAINT_CHANNEL)
@@ -332,7 +333,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   frames *f = self;
-  hk_status status = choose_look(f, view->model);
+  hk_status status = choose_look(f, view->model, true);
   if (status != HK_OK) return status;
   make_plan(f, view->t);
   f->film.skins = view->model->skins;
@@ -350,7 +351,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   place_camera(f, view->t);
   hk_status status = f->film.liquid ? hk_view_surface_take(&f->surface, view, f->up == Y_UP) : HK_OK;
   f->film.liquid_normal = f->surface.smooth && f->surface.surface.normal ? f->surface.surface.normal[0] : NULL;
-  if (status == HK_OK) status = hk_film_add(&f->film, view, f->births.birth, f->changed);
+  if (status == HK_OK) status = hk_film_add(&f->film, view, now, f->births.birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;
 }

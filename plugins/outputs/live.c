@@ -40,7 +40,7 @@ static const hk_param params[] = {
      .integer = HK_AT(live, messages_fd), .limits = HK_WITHIN(0, 1 << 20)},
     {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are",
      .integer = HK_AT(live, commands_fd), .limits = HK_WITHIN(0, 1 << 20)},
-    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it",
+    {"forces", "", "whether frames have each force by itself, tension and stress: evaluations more per frame",
      .boolean = HK_AT(live, forces)},
     {0},
 };

@@ -31,7 +31,7 @@ static const hk_param params[] = {
     {"only", "", "particles to keep; left out: all", .particles = HK_AT(trajectory, only),
      .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"group", "", "keep the particles of this group; left out: of all groups", .string = HK_AT(trajectory, group)},
-    {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
+    {"forces", "", "keep the force of every plugin on every particle, tension and stress: evaluations more per frame",
      .boolean = HK_AT(trajectory, forces)},
     {"precision", "", "of the numbers of particles: 64 or 32 bits", .choice = HK_AT(trajectory, precision),
      .initial = {DOUBLE}, .choices = "double|single"},

@@ -17,18 +17,19 @@ return scene
 ]])
 local code, text = refine("cells.lua")
 assert(code == 0, text)
-assert(text:find("with half of cell, 0.1 in the place of 0.2 (10 particles, 5 before):", 1, true), text)
+assert(text:find("cell = 0.2 (5 particles), then 0.1 (10):", 1, true), text)
 -- 0.5 x 0.1 of 0.5 x 1.2 at the end
-assert(text:find("first goes from 0.6 to 0.55 at the end, and changes by 8.3 % of its largest value at most, at t = 0.5 s", 1, true), text)
-assert(text:find("same stays 3", 1, true), text)
+assert(text:find("first: 0.6, then 0.55 at the end; the largest difference is 8.3 % of its largest value, at t = 0.5 s", 1, true),
+  text)
+assert(text:find("same: 3 in both", 1, true), text)
 assert(text:find("coarse is a measure of one of the two alone", 1, true), text)
 
 code, text = refine("cells.lua cell=0.4 other=2 --until 0.2 --within 0.2")
-assert(code == 0 and text:find("0.2 in the place of 0.4", 1, true) and text:find("first goes from 0.56 to 0.48", 1, true), text)
+assert(code == 0 and text:find("then 0.2 (", 1, true) and text:find("first: 0.56, then 0.48", 1, true), text)
 code, text = refine("cells.lua cell=0.4 --until 0.2 --within 0.1")
-assert(code == 5 and text:find("inaccurate: a measure changes by 14 %, more than the 10 % allowed: take smaller cells", 1, true), text)
+assert(code == 5 and text:find("inaccurate: first changes by 14 %, more than --within allows (10 %): take a smaller cell", 1, true), text)
 code, text = refine("cells.lua --of other")
-assert(code == 0 and text:find("with half of other, 0.5 in the place of 1", 1, true), text)
+assert(code == 0 and text:find("other = 1 (5 particles), then 0.5 (5)", 1, true), text)
 
 write("blind.lua", [[
 local cell = param("cell", 1, "m")
@@ -47,6 +48,7 @@ return scene
 refused("", "missing argument 'scene'")
 refused("none.lua", "none.lua")
 refused("cells.lua --of cel", "the scene has no parameter 'cel'; did you mean 'cell'?")
+refused("cells.lua --of speed", "it has cell, other, name: name the one that is halved, --of NAME")
 refused("cells.lua --of name", "--of: name is no number, but a string")
 refused("cells.lua cell=0.08", "--of: half of cell, 0.04, is below the least that the scene takes, 0.05: begin with cell=0.1 or more")
 refused("cells.lua other=-1 --of other", "--of: other is -1, and only what is above 0 is halved")

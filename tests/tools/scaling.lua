@@ -38,6 +38,8 @@ refused("row.lua N=2,3 --integrators rk4@soon", "'soon' is not a step in s")
 refused("row.lua N=2,3 --beside nowhere.csv", "cannot read nowhere.csv")
 refused("row.lua N=2,3 --beside row.lua", "row.lua:1: not LABEL,PARTICLES,COST")
 refused("none.lua N=2,3", "none.lua")
+refused("row.lua N=a,b", "no run gave a cost; the first, of N=a: row.lua:1: parameter N: 'a' is not a number")
+refused("row.lua N=2,3 --out row.lua/x", "cannot make the folder row.lua/x: row.lua is a file; name another folder")
 code, text = scaling("row.lua N=3,1000 --budget 0.01 --out half") -- a size that fails leaves the others
 assert(code == 0 and text:find("1000 row.lua:1: parameter N: 1000 is above the maximum 100", 1, true), text)
 

@@ -12,6 +12,7 @@
 
 #include "core/numerics/constraints/constraints.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -232,13 +233,49 @@ hk_status hk_constraints_update(hk_dynamics *d) {
 
 /* ---- on one particle ---- */
 
+/* The blocks of all constraints as they are named; those of riders are not those of their carriers. */
+typedef struct named_blocks {
+  size_t *first;
+  uint32_t (*pair)[2];
+  double (*J)[3];
+} named_blocks;
+
+static named_blocks named(const hk_constraints *c) {
+  const hk_rider_blocks *r = &c->riding;
+  return r->given ? (named_blocks){r->first, r->pair, r->J} : (named_blocks){c->block_first, c->list.pair, c->J};
+}
+
+/* The force that draws particle i of block b towards j of the block behind it, for a multiplier of 1 N; 0 where what
+ * the equation does is not along their line, to a part in 1e6. */
+static double draws(const hk_dynamics *d, const named_blocks *block, size_t b) {
+  static const double along = 1e-6;
+  const double *x = d->state->X, *p = x + 3 * (size_t)block->pair[b][1], *q = x + 3 * (size_t)block->pair[b + 1][1];
+  const double *J = block->J[b], *K = block->J[b + 1];
+  double u[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, l = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]), part = 0,
+         off = 0;
+  for (int e = 0; e < 3; e++) part += J[e] * u[e] / l;
+  for (int e = 0; e < 3; e++) off = fmax(off, fmax(fabs(J[e] - part * u[e] / l), fabs(J[e] + K[e])));
+  return off <= along * fabs(part) ? part : 0; /* also where l is 0 */
+}
+
+void hk_constraint_bar_forces(const hk_dynamics *d, const double *lambda, const hk_pair_forces *into) {
+  named_blocks block = named(d->constraints);
+  const hk_instances *list = &d->plugins->kind[HK_CONSTRAINT];
+  for (size_t k = 0; k < list->count; k++) {
+    bool places = list->item[k]->plugin->constraint->flags & HK_DIFFERENCES; /* x, y and z of each pair, no line */
+    size_t end = places ? 0 : block.first[k + 1];
+    for (size_t b = block.first[k], next; b < end; b = next) {
+      uint32_t equation = block.pair[b][0];
+      for (next = b + 1; next < end && block.pair[next][0] == equation;) next++;
+      double part = next == b + 2 ? draws(d, &block, b) : 0;
+      if (part != 0) into->add(into->context, block.pair[b][1], block.pair[b + 1][1], part * lambda[equation]);
+    }
+  }
+}
+
 void hk_constraint_force_on(const hk_dynamics *d, size_t k, const double *lambda, size_t particle, double F[3]) {
-  const hk_constraints *c = d->constraints;
+  named_blocks block = named(d->constraints);
   memset(F, 0, 3 * sizeof *F);
-  const hk_rider_blocks *r = &c->riding; /* of a rider, what acts on it, of a carrier not what acts on its riders */
-  const size_t *first = r->given ? r->first : c->block_first;
-  uint32_t(*pair)[2] = r->given ? r->pair : c->list.pair;
-  double(*J)[3] = r->given ? r->J : c->J;
-  for (size_t b = first[k]; b < first[k + 1]; b++)
-    for (int e = 0; e < 3 && pair[b][1] == particle; e++) F[e] += lambda[pair[b][0]] * J[b][e];
+  for (size_t b = block.first[k]; b < block.first[k + 1]; b++)
+    for (int e = 0; e < 3 && block.pair[b][1] == particle; e++) F[e] += lambda[block.pair[b][0]] * block.J[b][e];
 }

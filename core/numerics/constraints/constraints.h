@@ -302,6 +302,9 @@ hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of t
 hk_status hk_constraint_multipliers(hk_dynamics *,
                                     double *lambda); /* of all equations; by one evaluation, without side effects */
 void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end); /* equations of constraint k */
+/* Of equations that act between two particles along their line: lambda |dg/dx|, positive in tension, by J of the last
+ * evaluation. */
+void hk_constraint_bar_forces(const hk_dynamics *, const double *lambda, const hk_pair_forces *into);
 /* N, the force of constraint k on a particle, by J of the last evaluation. */
 void hk_constraint_force_on(const hk_dynamics *, size_t k, const double *lambda, size_t particle, double F[3]);
 

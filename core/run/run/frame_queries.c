@@ -52,6 +52,11 @@ static bool contact_points(const hk_frame *frame, const hk_contact_points *point
   return any;
 }
 
+static hk_status bar_forces(const hk_frame *frame, const hk_pair_forces *into) {
+  hk_run *run = frame->run;
+  return hk_run_bar_forces(run, into, &run->error);
+}
+
 /* The measured figures are the judgement's; what outputs may ask beside them is added here, so that no address gets
  * into a checkpoint. */
 hk_frame hk_run_output_frame(hk_run *run) {
@@ -63,6 +68,7 @@ hk_frame hk_run_output_frame(hk_run *run) {
   frame.force = force;
   frame.flow = flow;
   frame.contact_points = contact_points;
+  frame.bar_forces = bar_forces;
   frame.run = run;
   frame.scene = run->scene->script;
   frame.origin = run->scene->origin;

@@ -196,6 +196,15 @@ hk_status hk_run_constraint_forces(hk_run *run, const char *label, double *force
   return HK_OK;
 }
 
+hk_status hk_run_bar_forces(hk_run *run, const hk_pair_forces *into, hk_error *error) {
+  if (run->plugins.kind[HK_CONSTRAINT].count == 0) return HK_OK;
+  double *lambda = multipliers(run, error);
+  if (!lambda) return error->status;
+  hk_constraint_bar_forces(&run->dynamics, lambda, into);
+  free(lambda);
+  return HK_OK;
+}
+
 hk_status hk_run_strain(hk_run *run, const char *label, double *largest, hk_error *error) {
   bool found;
   *largest = hk_query_strain(&run->dynamics, label, &found);

@@ -137,6 +137,7 @@ hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3]
 hk_status hk_run_equations(hk_run *, const char *label, size_t *count, hk_error *error);
 /* Their multipliers at the state, N: the force of an equation, in the direction in which g grows. */
 hk_status hk_run_constraint_forces(hk_run *, const char *label, double *force, hk_error *error);
+hk_status hk_run_bar_forces(hk_run *, const hk_pair_forces *into, hk_error *error); /* hk_frame.bar_forces */
 /* The largest strain by magnitude, C over the rest value of an element; label NULL: of all forces with elements. */
 hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *error);
 

@@ -108,7 +108,7 @@ static bool write_record(hk_walk *w, const hk_loop *loop, const hk_judgement *j,
   progress p = progress_of(loop);
   hk_frame frame = j->last_frame; /* addresses mean nothing to another process */
   frame.measure_name = frame.force_name = NULL, frame.measure = NULL, frame.force = NULL, frame.run = NULL;
-  frame.scene = frame.origin = NULL, frame.flow = NULL, frame.contact_points = NULL;
+  frame.scene = frame.origin = NULL, frame.flow = NULL, frame.contact_points = NULL, frame.bar_forces = NULL;
   return hk_walk_put(w, loop->record, sizeof *loop->record) && hk_walk_put(w, &p, sizeof p) &&
          hk_walk_put(w, &frame, sizeof frame) && hk_walk_put(w, j->measure, h->measures * sizeof(double)) &&
          hk_walk_put(w, j->unresolved, h->samples * sizeof(double)) && write_warnings(w, loop->warnings);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char hk_checkpoint_magic[] = "hooke checkpoint 8\n";
+const char hk_checkpoint_magic[] = "hooke checkpoint 9\n";
 
 bool hk_checkpoint_put_text(hk_walk *w, const char *text, size_t bytes) {
   uint64_t length = bytes;

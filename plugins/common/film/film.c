@@ -208,10 +208,10 @@ static void take_skins(const hk_film *f, const hk_view *view, hk_frame_solid *so
     if (solid[k].group > 1) hk_colormap_group(solid[k].group - 1, solid[k].colour);
 }
 
-hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool changed) {
+hk_status hk_film_add(hk_film *f, const hk_view *view, const hk_frame *frame, const double *birth, bool changed) {
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
+  if (status == HK_OK) status = hk_particle_colours_take(&f->snapshot, view, frame, birth);
   if (status != HK_OK) return status;
-  hk_particle_colours_take(&f->snapshot, view, birth);
   f->painted |= f->snapshot.painted;
   note_numbers(f);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);

@@ -60,7 +60,7 @@ typedef struct hk_film {
 
 hk_status hk_film_open(hk_film *, const hk_host *host);
 /* `birth`: as in hk_particle_colours_take. `changed`: the topology may differ from the last call's. */
-hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool changed);
+hk_status hk_film_add(hk_film *, const hk_view *view, const hk_frame *frame, const double *birth, bool changed);
 /* Draws the frames that wait, and ends the video. */
 hk_status hk_film_finish(hk_film *, hk_verdict verdict);
 void hk_film_free(hk_film *); /* a zeroed or freed one is allowed */

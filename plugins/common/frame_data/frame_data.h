@@ -9,6 +9,7 @@
 #include "plugins/common/obstacles/obstacles_service.h"
 
 #include "plugins/common/colour/colormap.h"
+#include "plugins/common/stress/stress.h"
 #include "core/plugin.h"
 
 /* The cells of a frame: segments, triangles, and, so that each particle is seen, vertices for those in neither. */
@@ -108,6 +109,8 @@ typedef struct hk_gatherer {
   uint32_t *kept, *place; /* indices of the view that are shown; their places, UINT32_MAX: not shown */
   hk_cell_source *source;
   double *every;                   /* n x 3 of the view: a force */
+  size_t stresses;                 /* the last arrays are of forces within, */
+  int stress[HK_STRESS_KINDS];     /* of these kinds */
   size_t room[HK_GATHERER_ARRAYS]; /* of each array */
   uint64_t signature;              /* of the cells */
   bool dirty;                      /* the topology changed */

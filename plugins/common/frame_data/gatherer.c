@@ -24,17 +24,32 @@ static bool has_strain(const hk_model *m) {
   return false;
 }
 
+/* With each force those within what the scene has: as channels, whose names have the unit. */
+static size_t name_stresses(hk_gatherer *s, const hk_model *m, hk_frame_array *array) {
+  size_t count = 0;
+  for (int kind = 0; kind < HK_STRESS_KINDS; kind++) {
+    char name[HK_ARRAY_NAME];
+    if (!hk_stress_any(m, (hk_stress_kind)kind)) continue;
+    snprintf(name, sizeof name, "%s %s", hk_stress_names[kind], hk_stress_units[kind]);
+    s->stress[count] = kind;
+    name_array(&array[count++], name, false, 1);
+  }
+  return count;
+}
+
 static bool begin(hk_gatherer *s, const hk_view *view, const hk_frame *frame, bool forces) {
   const hk_model *m = view->model;
   hk_frame_data *data = &s->data;
   size_t channels = m->channels, count = channels + (forces ? frame->forces : 0);
   data->solids = s->obstacles->shown->count + m->skins;
-  data->array = calloc(count + 1, sizeof *data->array);
+  data->array = calloc(count + HK_STRESS_KINDS + 1, sizeof *data->array);
   data->solid = calloc(data->solids + 1, sizeof *data->solid);
   if (!data->array || !data->solid) return false;
   data->arrays = count;
   for (size_t k = 0; k < channels; k++) name_array(&data->array[k], m->channel[k].name, false, m->channel[k].size);
   for (size_t k = channels; k < count; k++) name_array(&data->array[k], frame->force_name[k - channels], true, 3);
+  s->stresses = forces ? name_stresses(s, m, data->array + count) : 0;
+  data->arrays += s->stresses;
   s->dirty = true;
   s->strained = has_strain(m);
   return true;
@@ -111,13 +126,16 @@ static void gather_channels(hk_gatherer *s, const hk_view *view) {
 }
 
 hk_status hk_gatherer_forces(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
-  size_t channels = view->model->channels;
-  for (size_t k = channels; k < s->data.arrays; k++) {
-    hk_status status = frame->force(frame, k - channels, s->every);
-    if (status != HK_OK) return status;
+  size_t channels = view->model->channels, end = s->data.arrays - s->stresses;
+  hk_status status = HK_OK;
+  for (size_t k = channels; k < end && status == HK_OK; k++) {
+    status = frame->force(frame, k - channels, s->every);
     gather(s, s->every, 3, s->data.array[k].value);
   }
-  return HK_OK;
+  for (size_t k = 0; k < s->stresses && status == HK_OK; k++)
+    status = hk_particle_stresses(view, frame, (hk_stress_kind)s->stress[k], s->place, s->data.n,
+                                  s->data.array[end + k].value);
+  return status;
 }
 
 /* Changes with the lists that cells are made of, even where nobody was told of a change. */

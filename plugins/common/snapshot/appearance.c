@@ -1,12 +1,16 @@
 #include "plugins/common/snapshot/appearance.h"
 
+#include "plugins/common/stress/stress.h"
+
 #include <stdio.h>
 #include <string.h>
 
 enum { LONGEST = 63 };
 
-static const char *const paints[] = {"none", "strain", "speed", "group", "age", "mass"}; /* as hk_paint */
-static const char *const paint_labels[] = {"", "strain %", "speed m/s", "", "age s", "mass kg"};
+static const char *const paints[] = {"tension", "sheet_stress", "solid_stress", "none", "strain",
+                                     "speed",   "group",        "age",          "mass"}; /* as hk_paint */
+static const char *const paint_labels[] = {"tension N", "stress N/m", "stress Pa", "",       "strain %",
+                                           "speed m/s", "",           "age s",     "mass kg"};
 static const char *const sizes[] = {"same", "mass"}; /* as hk_sizes */
 enum { PAINTS = sizeof paints / sizeof *paints, SIZES = sizeof sizes / sizeof *sizes };
 
@@ -76,12 +80,38 @@ static bool has_strain(const hk_model *m) {
   return any;
 }
 
-static hk_status choose_paint(hk_appearance *appearance, const hk_host *host, const hk_model *m, const char *color,
-                              const char **label) {
-  static const char *const known[] = {"auto", "none", "strain", "speed", "group", "age", "mass"};
+/* The scene has to have what the colours are of; "stress" is of what it has. */
+static hk_status choose_stress(const hk_host *host, const hk_model *m, const char **color) {
+  static const char *const what[HK_STRESS_KINDS] = {"springs, bars or cables", "sheets", "solids"};
+  bool sheets = hk_stress_any(m, HK_SHEET_STRESS), solids = hk_stress_any(m, HK_SOLID_STRESS);
+  if (strcmp(*color, "stress") == 0) {
+    if (sheets && solids)
+      return host->fail(host, HK_BAD_PARAM,
+                        "color: the scene has sheets, whose stress is in N/m, and solids, of Pa: "
+                        "say sheet_stress or solid_stress");
+    if (!sheets && !solids)
+      return host->fail(host, HK_BAD_PARAM,
+                        "color: no force of the scene is one of sheets or solids that tells its "
+                        "stress; springs and bars have tension");
+    *color = sheets ? hk_stress_names[HK_SHEET_STRESS] : hk_stress_names[HK_SOLID_STRESS];
+  }
+  size_t kind = find_name(hk_stress_names, HK_STRESS_KINDS, *color);
+  if (kind == HK_STRESS_KINDS || hk_stress_any(m, (hk_stress_kind)kind)) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM, "color: '%s' is that of %s, and the scene has none that tell it", *color,
+                    what[kind]);
+}
+
+static hk_status choose_paint(hk_appearance *appearance, const hk_host *host, const hk_model *m, bool whole,
+                              const char *color, const char **label) {
+  static const char *const known[] = {"auto",         "none",  "strain", "tension", "stress", "sheet_stress",
+                                      "solid_stress", "speed", "group",  "age",     "mass"};
   bool chosen = strcmp(color, "auto") == 0;
   if (chosen) color = has_strain(m) ? "strain" : m->triangles.count ? "none" : "speed";
-  size_t channel = chosen ? m->channels : find_channel(m, color), paint = find_name(paints, PAINTS, color);
+  size_t channel = chosen ? m->channels : find_channel(m, color);
+  hk_status status = whole && channel == m->channels ? choose_stress(host, m, &color) : HK_OK;
+  if (status != HK_OK) return status;
+  if (strcmp(color, "stress") == 0) color = hk_stress_names[HK_SOLID_STRESS]; /* until elements are known */
+  size_t paint = find_name(paints, PAINTS, color);
   if (channel < m->channels) {
     appearance->paint = m->channel[channel].size == 3 ? HK_PAINT_RGB : HK_PAINT_CHANNEL;
     appearance->channel = channel;
@@ -155,9 +185,9 @@ static hk_status choose_tubes(hk_appearance *appearance, const hk_host *host, co
   return status;
 }
 
-hk_status hk_appearance_choose(hk_appearance *appearance, const hk_host *host, const hk_model *m,
+hk_status hk_appearance_choose(hk_appearance *appearance, const hk_host *host, const hk_model *m, bool whole,
                                const hk_appearance_names *names, const char **label) {
-  hk_status status = choose_paint(appearance, host, m, names->color, label);
+  hk_status status = choose_paint(appearance, host, m, whole, names->color, label);
   if (status == HK_OK) status = choose_sizes(appearance, host, m, names->size);
   if (status == HK_OK) status = choose_tubes(appearance, host, m, names->tubes);
   return status == HK_OK ? choose_fade(appearance, host, m, names->fade) : status;

@@ -6,6 +6,9 @@
 #include "plugins/common/frame_data/radii.h"
 
 typedef enum hk_paint {
+  HK_PAINT_TENSION, /* as the next two, in the order of hk_stress_kind (stress/stress.h) */
+  HK_PAINT_SHEET_STRESS,
+  HK_PAINT_SOLID_STRESS,
   HK_PAINT_NONE,    /* one colour for all */
   HK_PAINT_STRAIN,  /* of the elements of a particle the largest by magnitude (frame_data/strain.h) */
   HK_PAINT_SPEED,   /* |v|, m/s */
@@ -23,7 +26,8 @@ typedef enum hk_sizes {
 } hk_sizes;
 
 typedef struct hk_appearance_names { /* as the script writes them */
-  const char *color; /* auto, none, strain, speed, group, age, mass, or a channel, which goes before those */
+  const char *color; /* auto, none, strain, tension, stress, sheet_stress, solid_stress, speed, group, age, mass, or a
+                        channel, which goes before those */
   const char *size;  /* auto: the channel radius if there is one; same, mass, or a channel */
   const char *fade;  /* a channel, or NULL */
   const char *tubes; /* a channel, or groups with radii, "rope 0.01, thread 0.002"; NULL: what contact publishes, and
@@ -48,10 +52,16 @@ typedef struct hk_appearance {
   bool y_up;
 } hk_appearance;
 
-/* Sets what the names say. HK_BAD_PARAM: unknown name; the message has the nearest. `label`: name and unit of the
- * colours' numbers (the host owns a channel's name). */
-hk_status hk_appearance_choose(hk_appearance *, const hk_host *host, const hk_model *model, const hk_appearance_names *,
-                               const char **label);
+/* Whether colours are of elements, with numbers on both sides of 0. */
+static inline bool hk_paints_elements(hk_paint paint) {
+  return paint <= HK_PAINT_SOLID_STRESS || paint == HK_PAINT_STRAIN;
+}
+
+/* Sets what the names say. HK_BAD_PARAM: unknown name; the message has the nearest. `whole`: the model has its
+ * elements, so that `stress` is that of what the scene has, and a scene that has nothing of the kind is refused.
+ * `label`: name and unit of the colours' numbers (the host owns a channel's name). */
+hk_status hk_appearance_choose(hk_appearance *, const hk_host *host, const hk_model *model, bool whole,
+                               const hk_appearance_names *, const char **label);
 
 /* From the scene's axes to those of pictures, in which z is up. */
 static inline void hk_to_z_up(bool y_up, const double in[3], double out[3]) {

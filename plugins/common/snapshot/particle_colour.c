@@ -1,12 +1,19 @@
 #include "plugins/common/snapshot/particle_colour.h"
 
 #include "plugins/common/frame_data/strain.h"
+#include "plugins/common/stress/stress.h"
 
 #include <string.h>
 
-static void take_strain(hk_snapshot3d *s, const hk_view *view) {
-  hk_particle_strains(view, NULL, view->n, s->strain);
+static hk_status take_elements(hk_snapshot3d *s, const hk_view *view, const hk_frame *frame) {
+  hk_paint paint = s->appearance->paint;
+  hk_status status = HK_OK;
+  if (paint == HK_PAINT_STRAIN)
+    hk_particle_strains(view, NULL, view->n, s->strain);
+  else
+    status = hk_particle_stresses(view, frame, (hk_stress_kind)paint, NULL, view->n, s->strain);
   for (size_t i = 0; i < view->n; i++) s->colour[i].number = (float)s->strain[i];
+  return status;
 }
 
 static double length(const double *value, size_t size) {
@@ -95,9 +102,10 @@ static void take_velocities(hk_snapshot3d *s, const hk_view *view) {
   }
 }
 
-void hk_particle_colours_take(hk_snapshot3d *s, const hk_view *view, const double *birth) {
-  if (s->appearance->paint == HK_PAINT_STRAIN)
-    take_strain(s, view);
+hk_status hk_particle_colours_take(hk_snapshot3d *s, const hk_view *view, const hk_frame *frame, const double *birth) {
+  hk_status status = HK_OK;
+  if (hk_paints_elements(s->appearance->paint))
+    status = take_elements(s, view, frame);
   else if (s->appearance->paint == HK_PAINT_GROUP)
     take_group(s, view);
   else if (s->appearance->paint == HK_PAINT_CHANNEL || s->appearance->paint == HK_PAINT_RGB)
@@ -108,4 +116,5 @@ void hk_particle_colours_take(hk_snapshot3d *s, const hk_view *view, const doubl
   if (s->appearance->tubes) take_tubes(s, view);
   if (s->appearance->fades) take_fade(s, view);
   if (s->appearance->streak > 0) take_velocities(s, view);
+  return status;
 }

@@ -5,7 +5,7 @@
 #include "plugins/common/snapshot/snapshot3d.h"
 
 /* Fills the snapshot's colour and extra. `birth`: the time of each particle's birth, s; NULL: they were there from t =
- * 0. */
-void hk_particle_colours_take(hk_snapshot3d *, const hk_view *view, const double *birth);
+ * 0. The status of hk_particle_stresses. */
+hk_status hk_particle_colours_take(hk_snapshot3d *, const hk_view *view, const hk_frame *frame, const double *birth);
 
 #endif

@@ -28,7 +28,7 @@ static bool renew_extras(hk_snapshot3d *s) {
   return ok;
 }
 
-static bool shows_strain(const hk_snapshot3d *s) { return s->appearance->paint == HK_PAINT_STRAIN; }
+static bool shows_elements(const hk_snapshot3d *s) { return hk_paints_elements(s->appearance->paint); }
 
 hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, size_t lines) {
   bool extras = true;
@@ -38,7 +38,7 @@ hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, si
     s->colour = renew(s->host, s->colour, s->room, sizeof *s->colour);
     s->mark = renew(s->host, s->mark, s->room, sizeof *s->mark);
     s->role = renew(s->host, s->role, s->room, sizeof *s->role);
-    if (shows_strain(s)) s->strain = renew(s->host, s->strain, s->room, sizeof *s->strain);
+    if (shows_elements(s)) s->strain = renew(s->host, s->strain, s->room, sizeof *s->strain);
     extras = renew_extras(s);
   }
   if (triangles >= s->triangle_room) {
@@ -49,7 +49,7 @@ hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, si
     s->line_room = lines + lines / 2 + 1, s->stale = true;
     s->line = renew(s->host, s->line, s->line_room, sizeof *s->line);
   }
-  if (extras && s->x && s->colour && s->mark && s->role && (s->strain || !shows_strain(s)) && s->triangle && s->line)
+  if (extras && s->x && s->colour && s->mark && s->role && (s->strain || !shows_elements(s)) && s->triangle && s->line)
     return HK_OK;
   s->room = s->triangle_room = s->line_room = 0;
   return s->host->fail(s->host, HK_NO_MEMORY, "no memory for a picture of %zu particles", n);

@@ -26,7 +26,7 @@ typedef struct hk_snapshot3d {
   hk_particle_colour *colour; /* n */
   uint8_t *mark;              /* n */
   uint8_t *role;              /* n, scratch: what a particle belongs to, while the topology is taken */
-  double *strain;             /* n, scratch, where colours show it; otherwise NULL */
+  double *strain;             /* n, scratch, where colours show it, tension or stress; otherwise NULL */
   /* What the appearance asks for, otherwise NULL: by hk_appearance.sizes the cube root of the mass or the radius, n;
    * opacity, n; velocity, n x 3; radius of the strand, m, 0: it has none of its own, n. */
   float *extra[HK_EXTRAS];

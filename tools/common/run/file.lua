@@ -25,9 +25,20 @@ function file.write(path, text)
   return nil, ("cannot write %s: %s"):format(path, why:sub(1, #part + 2) == part .. ": " and why:sub(#part + 3) or why)
 end
 
--- Makes the folder and those above it; whether it is there.
+-- Makes the folder and those above it. Whether it is there, or nil and a sentence.
 function file.make_folder(path)
-  return os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'") or lfs.attributes(path, "mode") == "directory"
+  local above = path:sub(1, 1) == "/" and "/" or ""
+  for part in path:gmatch("[^/]+") do
+    above = above .. part
+    local _, why = lfs.mkdir(above)
+    local what = lfs.attributes(above, "mode")
+    if what ~= "directory" then
+      why = what and ("%s is a %s"):format(above, what) or ("%s: %s"):format(above, why)
+      return nil, ("cannot make the folder %s: %s; name another folder"):format(path, why)
+    end
+    above = above .. "/"
+  end
+  return true
 end
 
 return file

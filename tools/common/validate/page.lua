@@ -8,10 +8,6 @@ local plot = require("common.run.plot")
 
 local page = {}
 
-local function folder_made(path)
-  return os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
-end
-
 -- ---- topics ----
 
 local function topics_of(list)
@@ -119,7 +115,8 @@ end
 
 -- Writes all into the folder o.out; nil and the reason: it cannot.
 function page.write(list, o)
-  if not folder_made(o.out) then return nil, ("the folder %s cannot be made"):format(o.out) end
+  local made, refused = files.make_folder(o.out)
+  if not made then return nil, refused end
   local topics = topics_of(list)
   local fine, why = files.write(o.out .. "/validate.md", markdown(topics, o))
   if fine then fine, why = files.write(o.out .. "/validate.csv", csv(list)) end

@@ -72,10 +72,13 @@ function panels.shortened(text, most)
   return text:sub(1, utf8.offset(text, most - 2) - 1) .. "..."
 end
 
+-- Of more than can be named, these and those behind them are grey, and have one name together.
+local function is_other(panel, c) return c >= most_named and #panel.curves > most_named end
+
 local function curve_title(panel, c)
   if c > most_named then return "notitle" end
   local text = ("%s: %s"):format(panels.shortened(panel.curves[c].name, most_letters), panel.curves[c].order)
-  if c == most_named and #panel.curves > most_named then text = ("and %d more"):format(#panel.curves - c + 1) end
+  if is_other(panel, c) then text = ("and %d more"):format(#panel.curves - c + 1) end
   return "title " .. plot.text(text) .. " noenhanced"
 end
 
@@ -115,7 +118,7 @@ local function panel_script(panel, p)
   if g then items[1] = ("%.9g*(x/%.9g)**%g with lines lc rgb '#BBBBBB' lw 1 dt 1 title 'order %g'"):format(g.error, g.h,
     g.order, g.order) end
   for c in ipairs(panel.curves) do
-    add(plot.style_line(c))
+    add(is_other(panel, c) and ("set style line %d lc rgb '#8A8A8A' lw 1 dt 1 pt 7"):format(c) or plot.style_line(c))
     items[#items + 1] = ("$P%dC%d using 1:2 with linespoints ls %d ps 0.5 %s"):format(p, c, c, curve_title(panel, c))
   end
   add("plot %s", table.concat(items, ", \\\n     "))

@@ -50,7 +50,8 @@ function tool_runs.execute(case)
   local list, found, failed = case.asks[1] and case.asks or { case.asks }, {}, nil
   local folder = os.tmpname()
   os.remove(folder)
-  if not files.make_folder(folder) then return { failed = "cannot make the folder " .. folder } end
+  local made, why = files.make_folder(folder)
+  if not made then return { failed = why } end
   for k, asks in ipairs(list) do
     found[k], failed = run_in(folder, asks)
     if failed then break end

@@ -223,11 +223,12 @@ static void frames_refuse_names_and_name_the_nearest(void **state) {
   world w;
   world_open(&w, 1);
   set_text(&w, "color", "temperature");
-  expect_refusal(&w, "color: 'temperature' is not one of auto, none, strain, speed, group, age, mass, paint");
+  expect_refusal(&w, "color: 'temperature' is not one of auto, none, strain, tension, stress, sheet_stress, "
+                     "solid_stress, speed, group, age, mass, paint");
   world_open(&w, 1);
   set_text(&w, "color", "pait");
-  expect_refusal(
-      &w, "color: 'pait' is not one of auto, none, strain, speed, group, age, mass, paint; did you mean 'paint'?");
+  expect_refusal(&w, "color: 'pait' is not one of auto, none, strain, tension, stress, sheet_stress, solid_stress, "
+                     "speed, group, age, mass, paint; did you mean 'paint'?");
   world_open(&w, 1);
   set_text(&w, "size", "paint");
   expect_refusal(&w, "size: the channel 'paint' has 3 numbers per particle; one is needed");
