@@ -63,7 +63,7 @@ typedef struct hk_corrector {
   size_t (*figures)(void *self, const hk_view *view, hk_own_figure *figure);
   /* For the forces of constraints at frames: F += the mean force over the last step of the impulses that what
    * constraints join has had from this corrector, N, n x 3; of rigid bodies at the riders where they touch. NULL: they
-   * are not told, and a script that asks is warned; since minor 3. */
+   * are not told, and a script that asks is warned; since minor 4. */
   void (*mean_forces)(const void *self, const hk_view *view, double *F);
 } hk_corrector;
 

@@ -22,7 +22,7 @@ typedef struct hk_rider {
   uint32_t carrier[HK_CARRIERS];
   double weight[HK_CARRIERS]; /* with the sum 1 */
   bool touches;               /* it is of the surface of its body, see hk_model.inside */
-  bool meets; /* of a joint whose bodies meet: the pairs of `join` that it is in say nothing else; since minor 3 */
+  bool meets; /* of a joint whose bodies meet: the pairs of `join` that it is in say nothing else; since minor 4 */
   /* The ids of the points of a joint, from `joined` on so many: contact takes none of them, and leaves out pairs of the
    * bodies that they are of with the body of this one. 0: none; since minor 3. */
   uint8_t joints;
@@ -103,7 +103,7 @@ struct hk_model {
    * surface (hk_rider.touches). NULL: there are none. */
   const bool *inside;
   /* The first so many of the `join` lists are of constraints that keep their pairs as they are (HK_DISTANCES,
-   * HK_DIFFERENCES); since minor 3. */
+   * HK_DIFFERENCES); since minor 4. */
   size_t kept_lists;
 };
 

@@ -300,7 +300,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double *after = s->affine + (s->slot ? 9 : 0);
   p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
-  double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h);
+  double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
   m->bodies.force = s->force.item;
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);

@@ -46,8 +46,7 @@ void *hk_param_in(const hk_param *, const void *instance);
 void *hk_field_in(const hk_field *, const void *instance);
 /* The pairs that a constraint joins, of its parameter p. */
 static inline const hk_tuples *hk_joined_in(const hk_constraint *c, const hk_param *p, const void *instance) {
-  hk_param at = {.edges = (hk_tuples *)(uintptr_t)c->joins};
-  return hk_param_in(c->joins ? &at : p, instance);
+  return hk_param_in(c->joins ? &(hk_param){.edges = (hk_tuples *)(uintptr_t)c->joins} : p, instance);
 }
 /* The size of a row of the field table in a plugin of that version of the interface, bytes. */
 size_t hk_field_size(unsigned abi);

@@ -71,25 +71,24 @@ static hk_status check_list(hk_dynamics *d, const char *label, const hk_elements
   return hk_error_set(d->error, HK_FAILED, "force '%s': its elements have %s: the plugin is at fault", label, fault);
 }
 
-/* The pairs in parameters of constraints that keep them as they are, or of the others; `into` NULL: only counts. */
+/* The pairs in parameters of constraints that keep them as they are, or of the others. */
 static size_t list_joins(const hk_instances *constraints, bool kept, const hk_tuples **into) {
   size_t count = 0;
   for (size_t k = 0; k < constraints->count; k++) {
     const hk_instance *instance = constraints->item[k];
     if (kept != !!(instance->plugin->constraint->flags & (HK_DISTANCES | HK_DIFFERENCES))) continue;
-    for (const hk_param *p = instance->plugin->params; p && p->name; p++) {
-      if (!p->edges) continue;
-      if (into) into[count] = hk_joined_in(instance->plugin->constraint, p, instance->self);
-      count++;
-    }
+    for (const hk_param *p = instance->plugin->params; p && p->name; p++)
+      if (p->edges) into[count++] = hk_joined_in(instance->plugin->constraint, p, instance->self);
   }
   return count;
 }
 
 hk_status hk_joins_refresh(hk_dynamics *d) {
   const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
-  size_t room = list_joins(constraints, true, NULL) + list_joins(constraints, false, NULL);
-  const hk_tuples **list = realloc(d->join, (room + 1) * sizeof *list);
+  size_t room = 1;
+  for (size_t k = 0; k < constraints->count; k++)
+    for (const hk_param *p = constraints->item[k]->plugin->params; p && p->name; p++) room++;
+  const hk_tuples **list = realloc(d->join, room * sizeof *list);
   if (!list) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu lists of pairs", room);
   hk_model *m = &d->state->model;
   m->join = d->join = list, m->kept_lists = list_joins(constraints, true, list);

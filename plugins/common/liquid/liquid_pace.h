@@ -23,7 +23,10 @@ double hk_liquid_longest_step(const hk_liquid *, const hk_liquid_pace *, const h
                               double tension);
 /* The part that hk_liquid_even gets for a step of h, s: 1 for what passes half a cell or more. By steps, not by time,
  * it had no limit for short ones: cells are denser and thinner by chance, and beside the surface the denser alone are
- * evened, so that a viscous current over a floor was 7 % slower with 8 times the steps (3 % now). */
-double hk_liquid_part_to_even(const hk_liquid *, const hk_liquid_pace *, const hk_liquid_particles *, double h);
+ * evened, so that a viscous current over a floor was 7 % slower with 8 times the steps (3 % now). off: the error of
+ * the volume by the largest that may be, NAN: not known; near 1 the part is 1, as a source may bring more than goes by
+ * time. */
+double hk_liquid_part_to_even(const hk_liquid *, const hk_liquid_pace *, const hk_liquid_particles *, double h,
+                              double off);
 
 #endif

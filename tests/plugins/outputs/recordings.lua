@@ -97,7 +97,7 @@ assert(r.attributes.scene == "sheet.lua" and r.attributes.origin:find("the param
 assert(#r.series["sag, \"m\""] == 11 and r.series["sag, \"m\""][11] == numbers(r:positions(11), 20, 3)[3])
 assert(r.series.energy[11] == r.series.kinetic[11] + r.series.potential[11])
 assert(r.series.step[1] == 0 and r.series.step[2] == 1e-3 and r.series.error[2] ~= r.series.error[2])
-assert(#r.channels == 2 and #r.forces == 2 and r.forces[2] == "springs")
+assert(#r.channels == 3 and r.channels[3].name == "tension N" and #r.forces == 2 and r.forces[2] == "springs")
 
 -- The pin's release at 0.21 s is a change; nothing else is.
 for k = 1, 11 do assert(r:topology_changed(k) == (k == 1 or k == 6), k) end

@@ -216,7 +216,7 @@ static void bad_plugins_are_refused_with_the_reason(void **state) {
   const struct {
     const char *file, *text;
     int code;
-  } cases[] = {{"wrong_abi", "was built for plugin interface 4.0 and this hooke has 3.3", 2},
+  } cases[] = {{"wrong_abi", "was built for plugin interface 4.0 and this hooke has 3.4", 2},
                {"no_symbol", "exports no hk_plugin_main", 2},
                {"missing", "does not exist", 2},
                {"floor", "is of the kind 'corrector', not 'force'", 1}};
