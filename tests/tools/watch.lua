@@ -189,7 +189,8 @@ return scene
       for k, f in ipairs(run.fields) do labels[k] = f.name end
       local force = case[1]:match('force%("(%a+)"')
       local within = force == "springs" and "tension N" or "sheet_stress N/m"
-      equal(table.concat(labels, ", "), ("velocity, strain, force gravity, force %s, force pull, channel %s"):format(force, within), "fields")
+      equal(table.concat(labels, ", "), ("velocity, strain, force gravity, force %s, force pull, channel %s")
+        :format(force, within), "fields")
       -- behind 24 bytes of head: x and v, 36 x 3 each, the strain, and gravity, of which z is -9.81 m; last what is within
       local frame = w:get("frame/1/" .. math.tointeger(state.latest))
       equal(#frame, 24 + 4 * 36 * (3 + 3 + 1 + 3 * 3 + 1), "bytes of a frame")

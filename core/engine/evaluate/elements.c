@@ -47,8 +47,7 @@ hk_status hk_publications_list(hk_dynamics *d) {
 
 size_t hk_force_element_lists(const hk_plugin *force) {
   const hk_elements_facet *f = &hk_force_of(force)->elements;
-  if (!f->list) return 0;
-  return f->lists ? f->lists : 1;
+  return f->list ? (f->lists ? f->lists : 1) : 0;
 }
 
 static bool one_or_each(const hk_per_tuple *p, const hk_tuples *node, bool optional) {

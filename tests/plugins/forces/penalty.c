@@ -59,9 +59,9 @@ static void an_elastic_bounce_takes_half_a_period(void **state) {
   }
 }
 
-/* What bounces for 1.5 s, at the step that is chosen, keeps its energy: each end of a contact, within a step, changes it
- * by (h w)^2/4 of what the spring takes up at most (largest_step.c), and a fall from 0.2 m, the lowest, begins and ends
- * fewer than five contacts in that time. */
+/* What bounces for 1.5 s, at the step that is chosen, keeps its energy: each end of a contact, within a step, changes
+ * it by (h w)^2/4 of what the spring takes up at most (largest_step.c), and a fall from 0.2 m, the lowest, begins and
+ * ends fewer than five contacts in that time. */
 static void bounces_keep_their_energy_at_the_step_chosen(void **state) {
   (void)state;
   double h_w = acos(-1) / 20, most = 0;
