@@ -16,4 +16,12 @@ function files.read(path)
   return text
 end
 
+-- A new and empty folder, which the test removes.
+function files.folder()
+  local folder = os.tmpname()
+  os.remove(folder)
+  assert(os.execute("mkdir -p " .. files.quoted(folder)))
+  return folder
+end
+
 return files

@@ -8,9 +8,7 @@ if not fine then
   os.exit(77)
 end
 
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. files.quoted(folder)))
+local folder = files.folder()
 
 local function hooke(words)
   local pipe = io.popen(("cd %s && %s/hooke %s 2>&1"):format(folder, build, words))

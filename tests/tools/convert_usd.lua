@@ -4,9 +4,7 @@ local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
 local files = require("files")
 
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. files.quoted(folder)))
+local folder = files.folder()
 
 local function hooke(words)
   local pipe = io.popen(("cd %s && %s/hooke %s 2>&1"):format(folder, build, words))

@@ -5,15 +5,9 @@ local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 if not _G.hooke then os.exit(require("tool_tree").run(root, build, "tests/plugins/common/frame_data/skin_solids.lua")) end
 local files = require("files")
-local built, recording = pcall(require, "recording")
-if not built then
-  print("skipped: hooke is built without HDF5")
-  os.exit(77)
-end
+local recording = require("tool_tree").recording()
 
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. files.quoted(folder)))
+local folder = files.folder()
 files.write(folder .. "/bodies.lua", [[
 local scene = hooke.scene { duration = 0.5, fps = 20, integrator = "leapfrog", dt = 1e-3 }
 scene:rigid { mass = 1, inertia = { 1, 2, 2.5 }, position = { 9, 9, 9 } }

@@ -5,15 +5,9 @@ local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 if not _G.hooke then os.exit(require("tool_tree").run(root, build, "tests/plugins/common/stress/stress.lua")) end
 local files = require("files")
-local built, recording = pcall(require, "recording")
-if not built then
-  print("skipped: hooke is built without HDF5")
-  os.exit(77)
-end
+local recording = require("tool_tree").recording()
 
-local folder = os.tmpname()
-os.remove(folder)
-assert(os.execute("mkdir -p " .. files.quoted(folder)))
+local folder = files.folder()
 
 local function run(name, settings, body)
   files.write(("%s/%s.lua"):format(folder, name), ("local scene = hooke.scene { %s }\n%s\nreturn scene\n"):format(settings, body))
