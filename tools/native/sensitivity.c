@@ -1,7 +1,9 @@
 /* sensitivity: the derivatives of a scene's measure by parameters, for `hooke gradient`. */
+#include "core/engine/contract/contract.h"
 #include "tools/native/gradients/sensitivity_record.h"
 
 #include <lauxlib.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +15,18 @@ static int close_record(lua_State *L) {
   free(r->row);
   *r = (record){0};
   return 0;
+}
+
+/* Derivatives are those of steps that meet their equations. An iteration to the integrator's own tolerance, 1e-6 of the
+ * speeds a step or so, ends elsewhere, and differences of whole runs, of 1e-5 of a parameter, would drown in it. */
+static void solve_to_rounding(const hk_run *run) {
+  static const double rounding = 1e-12;
+  const hk_instance *integrator = run->loop.integrator;
+  if (!(integrator->plugin->integrator->flags & HK_IMPLICIT)) return;
+  for (const hk_param *p = integrator->plugin->params; p && p->name; p++) {
+    double *tolerance = hk_param_in(p, integrator->self);
+    if (strcmp(p->name, "tolerance") == 0) *tolerance = fmin(*tolerance, rounding);
+  }
 }
 
 /* record(run [, reach]): keeps the steps of a run from here on; or nil and why they cannot be differentiated. `reach`:
@@ -27,6 +41,7 @@ static int begin(lua_State *L) {
   lua_pushvalue(L, 1);
   lua_rawseti(L, -2, 1);
   lua_setiuservalue(L, -2, 1);
+  solve_to_rounding(run);
   if (hk_sensitivity_open(&run->loop, &r->steps, &r->error) != HK_OK) return hk_record_refuse(L, &r->error);
   r->X = malloc((12 * r->steps->n + 1) * sizeof *r->X);
   return r->X ? 1 : luaL_error(L, "no memory");
@@ -74,6 +89,8 @@ static int vary(lua_State *L) {
   lua_Integer knots = luaL_optinteger(L, 5, 0);
   hk_run *more = keep_run(L, 2), *less = keep_run(L, 3);
   luaL_argcheck(L, r->count < HK_RECORD_MOST, 2, "too many parameters");
+  solve_to_rounding(more);
+  solve_to_rounding(less);
   if (!same_particles(r->run, more) || !same_particles(r->run, less)) {
     hk_error_set(&r->error, HK_FAILED, "it changes the number or the order of the particles");
     return hk_record_refuse(L, &r->error);

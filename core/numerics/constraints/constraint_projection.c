@@ -286,12 +286,12 @@ static hk_status linearise(hk_dynamics *d, double t, const double *x, const doub
   return HK_OK;
 }
 
-/* Makes J, A and its factors those of x and t, where the pins and parameters of t are imposed. */
+/* Makes J, A and its factors those of x and t. Pins are imposed each time, which rounds x, as in a run that goes on. */
 static hk_status begin(hk_dynamics *d, double t, double *x, double *v) {
   const hk_constraints *c = d->constraints;
-  if (c->kept && c->kept_t == t && memcmp(c->kept_x, x, 3 * d->state->model.n * sizeof *x) == 0) return HK_OK;
   hk_status status = hk_dynamics_impose(d, t, x, v);
-  return status == HK_OK ? linearise(d, t, x, v) : status;
+  bool same = c->kept && c->kept_t == t && memcmp(c->kept_x, x, 3 * d->state->model.n * sizeof *x) == 0;
+  return status == HK_OK && !same ? linearise(d, t, x, v) : status;
 }
 
 /* The largest |g| of the equations that act; NaN counts as the largest. */

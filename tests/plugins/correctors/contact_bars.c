@@ -140,7 +140,7 @@ static const char *const floors[] = {
 /* The measures T1, T2, ... of a scene that stands on the floor, in steps that are frames. */
 static void measure_standing(const char *scene, int floor, int count, const double *wanted) {
   static test_result r;
-  char text[2048], name[8];
+  char text[2048], name[16];
   snprintf(text, sizeof text,
            "local scene = hooke.scene { duration = 0.1, fps = 100, dt = 0.01, integrator = 'leapfrog' }\n"
            "scene:force('gravity')\n%s%s"

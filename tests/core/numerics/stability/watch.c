@@ -98,7 +98,7 @@ static void where_a_force_states_nothing_there_is_no_measurement(void **state) {
 /* Symplectic methods take a part of the step that contacts allow, which shortens with the others'. */
 static void contacts_stiffen_with_the_scene(void **state) {
   (void)state;
-  hk_watch w = {.allowed = {true, 100, 1}, .expected = {true, 400, 1}};
+  hk_watch w = {.allowed = {true, 100, 1, 0}, .expected = {true, 400, 1, 0}};
   hk_spectrum s = {.w_max = 10, .w_switching = 8};
   hk_watch_raise(&w, &s);
   assert_true(fabs(s.w_max - 10 * sqrt(4.2)) < 1e-12 && fabs(s.w_switching - 8 * sqrt(4.2)) < 1e-12);
@@ -108,7 +108,7 @@ static void contacts_stiffen_with_the_scene(void **state) {
  */
 static void what_stiffens_counts_as_undamped(void **state) {
   (void)state;
-  hk_watch w = {.allowed = {true, 100, 1}, .expected = {true, 200, 1}};
+  hk_watch w = {.allowed = {true, 100, 1, 0}, .expected = {true, 200, 1, 0}};
   hk_spectrum s = {.w_max = 10, .g_max = 1, .damped = {{0.01, 1}}};
   hk_watch_raise(&w, &s);
   assert_true(fabs(s.damped[0].offset - (1 + 0.01 * 110)) < 1e-12 && s.damped[0].slope == 0.01);
