@@ -52,7 +52,7 @@ static void measure(hk_watch *w, hk_system *s, double (*scratch)[6], bool all, s
   w->last = w->seen;
   if (all || !damping) w->seen.covered = hk_stiffness_part_of(s, HK_STIFFNESS_WHOLE, scratch, &w->seen.stiffness);
   if (all || damping) hk_stiffness_part_of(s, HK_DAMPING_WHOLE, scratch, &w->seen.damping);
-  if (hk_system_equations(s) > 0 && hk_stiffness_sample(s, &sample) == HK_OK) w->seen.sample = sample;
+  if (s->constraint && hk_stiffness_sample(s, &sample) == HK_OK) w->seen.sample = sample;
   w->last.sample = again ? last : before;
 }
 
@@ -97,7 +97,7 @@ bool hk_watch_calls(const hk_watch *w, double motion, size_t evaluations) {
 static double continued(double now, double before) { return before > 0 ? now * fmin(4, fmax(1, now / before)) : now; }
 
 bool hk_watch_measure(hk_watch *w, hk_system *s, double (*scratch)[6], double motion, size_t evaluations) {
-  if (!w->allowed.covered && hk_system_equations(s) == 0) return false;
+  if (!w->allowed.covered && !s->constraint) return false;
   measure(w, s, scratch, false, evaluations);
   w->measurements++;
   w->expected.stiffness = continued(w->seen.stiffness, w->last.stiffness);
@@ -107,7 +107,7 @@ bool hk_watch_measure(hk_watch *w, hk_system *s, double (*scratch)[6], double mo
   bool indifferent = motion >= faster * w->moved && change(w->seen.sample, w->last.sample) < slow;
   w->motion = fmax(w->motion, motion * (indifferent ? much_faster : faster));
   w->moved = motion;
-  set_interval(w, evaluations, MEASURE_COST + (hk_system_equations(s) > 0 ? SAMPLE_COST : 0));
+  set_interval(w, evaluations, MEASURE_COST + (s->constraint ? SAMPLE_COST : 0));
   return risen(w);
 }
 

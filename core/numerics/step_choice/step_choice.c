@@ -91,7 +91,7 @@ static double motion_of(const hk_dynamics *d) {
 
 /* At which evaluation the loop asks again: with constraints before every step, for their motion. */
 static void ask_again(hk_step_choice *c, const hk_dynamics *d) {
-  c->length.watch_at = hk_system_equations(&d->system) > 0 ? 0 : c->watch.next;
+  c->length.watch_at = d->system.constraint ? 0 : c->watch.next;
 }
 
 /* `method`: the one whose step is wanted, or that is given one; NULL: all is estimated. The evaluations and sampled
@@ -270,7 +270,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
     return HK_OK;
   }
   choose(c, d);
-  return hk_system_equations(&d->system) > 0 ? foresee(c, d) : HK_OK;
+  return d->system.constraint ? foresee(c, d) : HK_OK;
 }
 
 /* After a new limit: the summary reports the smallest, and a chosen dt follows it, up to `most`. */
@@ -359,7 +359,7 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   hk_status status = reestimate(length, d, false);
   if (status == HK_OK) status = measure(c, d, now, &risen);
   if (status != HK_OK || !risen) return status;
-  size_t each = hk_system_equations(&d->system) > 0 ? REVIEW_TAUT : REVIEW_RISEN;
+  size_t each = d->system.constraint ? REVIEW_TAUT : REVIEW_RISEN;
   if (each * c->estimates_cost <= often(d) * now + REVIEW_FREE * c->estimate_cost) {
     status = reestimate(length, d, true);
     c->estimates_cost += c->estimate_cost;
