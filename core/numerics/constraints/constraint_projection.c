@@ -16,6 +16,7 @@
  *
  * Invariant: the factors for the velocities serve the next step's positions. They are a function of (x, t) alone, and
  * `kept_x` and `kept_t` say of which, so that a run that goes on from a checkpoint makes the same ones anew. */
+
 #include "core/numerics/constraints/constraints.h"
 
 #include <float.h>
@@ -24,10 +25,9 @@
 
 enum { ITERATIONS = 25, ROUNDS = 40, PATIENCE = 3, MOST_NAMED = 3, NAME = 96, REST = 800 };
 
-/* Tolerance of positions: relative to the largest coordinate, which determines their rounding. Of velocities: relative
- * to the sum of |J||v|, or to the rounding of the largest. After a round that leaves more than `slow` of the residual a
- * new factorization is made. `implied_tolerance`: largest violation of an equation that follows from others before it
- * is solved for: 1e5 times position_tolerance, for equations at a small angle to each other. */
+/* Of positions relative to the largest coordinate, which determines their rounding; of velocities to the sum of |J||v|,
+ * or to the rounding of the largest. A round that leaves more than `slow` calls for new factors. An equation at a small
+ * angle to others, from which it follows, is solved for where it is violated by more than `implied_tolerance`. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1, implied_tolerance = 1e-7;
 static const double to_be_named = 0.01; /* part of the largest violation */
 /* A round of the iteration with the matrix of the start that leaves more than this part of g is slow; after PATIENCE of

@@ -161,7 +161,7 @@ hk_status hk_linear_system_choose(hk_dynamics *d, hk_linear_system *linear, cons
   return status;
 }
 
-static size_t find(const hk_matrix *A, size_t row, uint32_t column) {
+size_t hk_matrix_find(const hk_matrix *A, size_t row, uint32_t column) {
   size_t low = A->row_start[row], end = A->row_start[row + 1], high = end;
   while (low < high) {
     size_t middle = low + (high - low) / 2;
@@ -179,7 +179,7 @@ double hk_matrix_asymmetry(const hk_matrix *A) {
   double largest = 0, difference = 0;
   for (size_t r = 0; r < A->rows; r++)
     for (size_t e = A->row_start[r]; e < A->row_start[r + 1]; e++) {
-      size_t mirror = find(A, A->column[e], (uint32_t)r);
+      size_t mirror = hk_matrix_find(A, A->column[e], (uint32_t)r);
       for (size_t k = 0; k < bb; k++) {
         double here = A->value[bb * e + k];
         double there = mirror == SIZE_MAX ? 0 : A->value[bb * mirror + k % b * b + k / b];

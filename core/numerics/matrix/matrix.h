@@ -63,6 +63,8 @@ hk_status hk_solver_twins(hk_dynamics *, hk_linear_system *);
 hk_status hk_linear_system_factorize(hk_dynamics *, hk_linear_system *, const hk_matrix *A);
 /* The same with the solver in use, for a pattern of that number. */
 hk_status hk_linear_system_factors(hk_dynamics *, hk_linear_system *, const hk_matrix *A, uint64_t pattern);
+/* Where the block of that row and column stands; SIZE_MAX: there is none. */
+size_t hk_matrix_find(const hk_matrix *A, size_t row, uint32_t column);
 /* Largest |A - A^T| relative to the largest |A|: more than hk_asymmetry_limit is more than rounding. NaN counts as 0.
  */
 double hk_matrix_asymmetry(const hk_matrix *A);

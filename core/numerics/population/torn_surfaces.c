@@ -178,12 +178,10 @@ hk_status hk_surfaces_tear(hk_loop *loop, bool *torn_any) {
   *torn_any = false;
   if (lost == loop->population->lost) return HK_OK;
   loop->population->lost = lost;
-  if (allocate(&t, &loop->state->model, lost))
-    *torn_any = take_out(&t, loop);
-  else
-    lost = SIZE_MAX;
+  bool room = allocate(&t, &loop->state->model, lost);
+  if (room) *torn_any = take_out(&t, loop);
   release(&t);
-  if (lost == SIZE_MAX) return no_memory(loop);
+  if (!room) return no_memory(loop);
   return *torn_any ? tell(loop) : HK_OK;
 }
 

@@ -3,6 +3,7 @@
  * flexible GMRES (Saad 1993, SIAM J. Sci. Comput. 14) on A itself, or its transpose, takes a direction or two where the
  * factors are those of A. */
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/matrix/matrix.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -93,23 +94,11 @@ static hk_status keep(hk_sensitivity *s, hk_implicit_stage *w, const hk_matrix *
   return HK_OK;
 }
 
-/* Where the block of row j and column i stands. */
-static size_t mirror(const hk_matrix *A, size_t i, size_t j) {
-  size_t first = A->row_start[j], last = A->row_start[j + 1];
-  while (first < last) {
-    size_t middle = first + (last - first) / 2;
-    if (A->column[middle] < i)
-      first = middle + 1;
-    else
-      last = middle;
-  }
-  return first;
-}
-
+/* The pattern is symmetric. */
 static void transpose(const hk_implicit_stage *w, hk_matrix *A) {
   for (size_t i = 0; i < A->rows; i++)
     for (size_t e = A->row_start[i]; e < A->row_start[i + 1]; e++) {
-      size_t at = mirror(A, i, A->column[e]);
+      size_t at = hk_matrix_find(A, A->column[e], (uint32_t)i);
       for (size_t p = 0; p < 9; p++) A->value[9 * at + p / 3 + p % 3 * 3] = w->value[9 * e + p];
     }
 }

@@ -2,7 +2,7 @@
 #include "plugins/common/liquid/liquid_pace.h"
 
 static const double evened_in = 0.5; /* cells that are passed while a quarter of the density is evened */
-static const double at_once = 0.5;   /* of what the volume may be off: a quarter is evened in a step, however short */
+static const double soon_off = 0.5;  /* of what the volume may be off: a quarter is evened in a step, however short */
 static const double pi = 3.14159265358979323846;
 
 /* m, of the axes that it moves along. */
@@ -67,5 +67,5 @@ double hk_liquid_longest_step(const hk_liquid *l, const hk_liquid_pace *pace, co
 double hk_liquid_part_to_even(const hk_liquid *l, const hk_liquid_pace *pace, const hk_liquid_particles *p, double h,
                               double off) {
   double by_time = h / hk_liquid_longest_step(l, pace, p, evened_in, 0);
-  return fmin(1, isnan(off) ? by_time : fmax(by_time, fabs(off) / at_once));
+  return fmin(1, isnan(off) ? by_time : fmax(by_time, fabs(off) / soon_off));
 }

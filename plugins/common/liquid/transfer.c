@@ -162,8 +162,8 @@ HK_INLINE double value_and_slope(const hk_liquid_grid *g, const hk_liquid_place 
 
 /* m/s, component a at x, which is u on the plane of the first centres and falls linearly to none at the box: so the
  * particles' momentum and energy are those of a flow that sticks. They move with u, which takes through a section what
- * its faces let through. slope, 1/s: the gradient on that plane, of which what is along
- * walls stays, as it is needed there, and what is across them becomes that at x. */
+ * its faces let through. slope, 1/s: the gradient on that plane, of which what is along walls stays, as it is needed
+ * there, and what is across them becomes that at x. */
 static double stick(const hk_liquid *l, const hk_liquid_place *at, const double x[3], int a, double u,
                     double slope[3]) {
   const hk_liquid_grid *g = &l->grid;

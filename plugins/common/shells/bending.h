@@ -49,8 +49,7 @@ typedef struct hk_bending {
  * sets weight afterwards. HK_BAD_PARAM names a hinge that cannot bend. */
 hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
 /* Functions of the plugin and of hk_force. The instance `self` begins with its hk_bending. Elements are summed
- * part by part; `topology` drops the hinges of the dead, and of
- * triangles that have left the scene's surface. */
+ * part by part; `topology` drops the hinges of the dead, and of triangles that have left the scene's surface. */
 hk_status hk_bending_topology(void *self, const hk_view *view);
 hk_status hk_bending_add(void *self, const hk_view *view, double *F);
 void hk_bending_add_part(void *self, const hk_view *view, size_t part, double *F);
