@@ -85,6 +85,47 @@ code, text = gradient("pins.lua --of x --by k --way backwards")
 assert(code == 0, text)
 refused("pins.lua --of x --by far", "a parameter changes the path of a pin, which is not differentiated")
 
+-- ---- constraints: whole runs beside agree; a rigid body on a string of bars ----
+
+write("bodies.lua", [[
+local rho, g, spin = param("rho", 700, "kg/m^3"), param("g", 9.81, "m/s^2"), param("spin", 2, "rad/s")
+local L = param("L", 0.5, "of the string, m")
+local scene = hooke.scene { duration = 0.4, fps = 20, integrator = "leapfrog", dt = 1e-3 }
+local function box(x, density, w)
+  return scene:rigid { shape = "box", size = { 0.4, 0.3, 0.2 }, density = density, position = { x, 0, 0 }, spin = w }
+end
+local a, b = box(0.2, rho, { 1, spin, 0.5 }), box(0.7, 500)
+scene:joint { kind = "ball", a = a, b = b, at = { 0.45, 0, 0 } }
+local string = scene:strand { n = 3, from = { 0, 0, L }, to = { 0, 0, 0 }, mass = 0.5 }
+scene:pin { string:at(1) }
+scene:joint { kind = "ball", a = a, b = string:at(3), at = { 0, 0, 0 } }
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:constraint("bars", { edges = string:structural() })
+scene:measure("x", function(s) return b:position(s)[1] + 0.2 * b:velocity(s)[3] + a:spin(s)[1] end)
+return scene
+]])
+for _, way in ipairs { "forwards", "backwards" } do
+  code, text = gradient("bodies.lua --of x --by rho,g,spin,L --way " .. way)
+  assert(code == 0, text)
+  local list = read("out/gradient/bodies/gradient.json"):match('"parameters":(%b[])')
+  for row in list:gmatch("%b{}") do
+    local slope, whole = tonumber(row:match('"derivative":([^,}]+)')), tonumber(row:match('"by_runs":([^,}]+)'))
+    assert(math.abs(slope - whole) < 1e-6 * math.abs(slope), row) -- differences of 1e-5 of a parameter
+  end
+end
+refused("bodies.lua --of x --by g --integrator rk4", "integrator 'rk4' brings the state back onto constraints by an iteration")
+
+write("bowl.lua", [[
+local g = param("g", 9.81, "m/s^2")
+local scene = hooke.scene { duration = 0.1, integrator = "leapfrog", dt = 1e-2 }
+local p = scene:particle { position = { 1, 0, 0 } }
+scene:constraint("surface", { particles = { p } })
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+refused("bowl.lua --of x --by g", "constraint 'surface' states no second derivatives of its equations")
+
 -- ---- a rope that goes slack, where the derivative is one-sided ----
 
 write("rope.lua", [[

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* m/s^2 of N, and what pins leave of it. */
-static void divide(const hk_sensitivity *s, double *a) {
+void hk_sensitivity_divide(const hk_sensitivity *s, double *a) {
   const double *by_mass = s->dynamics->state->model.inverse_mass;
   for (size_t e = 0; e < 3 * s->n; e++) a[e] *= by_mass[e / 3];
   if (s->dynamics->pins->has_slides) hk_pins_filter(s->dynamics->pins, a);
@@ -37,7 +36,8 @@ static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_mat
         size_t at = 3 * (size_t)K->column[e] + p % 3;
         a[3 * i + p / 3] -= K->value[9 * e + p] * dX[at] + D->value[9 * e + p] * dX[v + at];
       }
-  divide(s, a);
+  hk_sensitivity_divide(s, a);
+  hk_riders_follow(&s->dynamics->state->model, a);
 }
 
 /* The largest distance of a coordinate from the first particle's, or the largest speed. */
@@ -100,7 +100,7 @@ static hk_status finish_column(hk_sensitivity *s, const hk_stage_point *p, size_
   size_t v = 3 * s->n;
   double *unit = column + v;
   for (size_t i = 0; i < v; i++) column[i] = A[i * 2 * v + e];
-  divide(s, column);
+  hk_sensitivity_divide(s, column);
   unit[e] = 1;
   hk_status status = s->all_exact ? HK_OK : add_differences(s, p, unit, column);
   unit[e] = 0;
@@ -176,23 +176,32 @@ static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p,
 
 hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX,
                                     hk_force_slopes *slopes) {
-  const double *by_mass = s->dynamics->state->model.inverse_mass;
+  const hk_model *model = &s->dynamics->state->model;
+  const double *by_mass = model->inverse_mass;
   size_t v = 3 * s->n;
   double *force = s->scratch;
   memset(dX, 0, 2 * v * sizeof *dX);
   memcpy(force, u, v * sizeof *u);
-  divide(s, force);
-  hk_status status = transposed_by_force(s, p, force, dX, slopes);
+  hk_riders_gather(model, force);
   for (size_t i = 0; slopes && i < s->n; i++) /* a = F/m */
-    for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * u[e] * p->a[e];
-  return status == HK_OK ? transposed_blocks(s, p, force, dX) : status;
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * force[e] * p->a[e];
+  hk_sensitivity_divide(s, force);
+  hk_status status = transposed_blocks(s, p, force, dX);
+  hk_riders_follow(model, force);
+  if (status == HK_OK) status = transposed_by_force(s, p, force, dX, slopes);
+  hk_riders_gather(model, dX);
+  hk_riders_gather(model, dX + v);
+  return status;
 }
 
 /* ---- by a parameter ---- */
 
-/* A pin's path is imposed on the place that an evaluation is given. */
-static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t count) {
-  if (memcmp(more, less, count * sizeof *more) == 0) return HK_OK;
+/* A pin's path is imposed on the place that an evaluation is given, and so are riders, but for rounding. */
+static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t n) {
+  const uint8_t *pin = by->more->state->model.pin;
+  bool moved = false;
+  for (size_t e = 0; e < 6 * n; e++) moved |= more[e] != less[e] && pin[e / 3 % n] != HK_PIN_RIDES;
+  if (!moved) return HK_OK;
   return hk_error_set(
       by->more->error, HK_FAILED,
       "a parameter changes the path of a pin, which is not differentiated: let a force draw the particle along it");
@@ -214,7 +223,7 @@ hk_status hk_sensitivity_by_parameter(hk_sensitivity *s, const hk_stage_point *p
   if (status == HK_OK) status = hk_sensitivity_evaluate(by->less, p->t, Y, less);
   hk_dynamics_take_all(by->more);
   hk_dynamics_take_all(by->less);
-  if (status == HK_OK) status = refuse_moved_path(by, X, Y, 2 * v);
+  if (status == HK_OK) status = refuse_moved_path(by, X, Y, s->n);
   for (size_t e = 0; e < v && status == HK_OK; e++) a[e] = (a[e] - less[e]) / (2 * by->by);
   if (status == HK_OK) return HK_OK;
   const char *why = *by->more->error->text ? by->more->error->text : by->less->error->text;
