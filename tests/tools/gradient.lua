@@ -141,6 +141,38 @@ return scene
 code, text = gradient("rope.lua --of x --by far")
 assert(code == 2 and text:find("not sure: far: whole runs beside give", 1, true), text)
 
+-- ---- a parameter that changes nothing: what whole runs differ by is rounding, and no kink ----
+
+write("pendulum.lua", [[
+local m, L = param("m", 1.4, "kg"), param("L", 0.9, "m")
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "leapfrog", dt = 1e-3 }
+local o, p = scene:particle { position = { 0, 0, 0 } }, scene:particle { position = { L * math.sin(1.1), 0, -L * math.cos(1.1) }, mass = m }
+scene:pin { o }
+scene:force("gravity", { g = { 0, 0, -9.81 } })
+scene:constraint("bars", { edges = { { o, p } } })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+for _, way in ipairs { "forwards", "backwards" } do
+  code, text = gradient("pendulum.lua --of x --by m,L --way " .. way)
+  assert(code == 0, text)
+  assert(math.abs(derivative(text, "m")) < 1e-10, text) -- eps/1e-5
+end
+
+-- ---- a run that explodes has no derivative worth the name ----
+
+write("explode.lua", [[
+local k, far = param("k", 4e4, "N/m"), param("far", 1.1, "m")
+local scene = hooke.scene { duration = 1, fps = 100, integrator = "leapfrog", dt = 1e-2 }
+local o, p = scene:particle { position = { 0, 0, 0 } }, scene:particle { position = { far, 0, 0 } }
+scene:pin { o }
+scene:force("springs", { edges = { { o, p } }, k = k, rest = 1 })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+refused("explode.lua --of x --by k=1e5", "the run explodes: its energy grew by")
+refused("explode.lua --of x --by k=1e5 --at 0.5", "the run explodes: its energy grew by")
+
 -- ---- what is refused ----
 
 refused("swing.lua --of y --by k", "the scene has no measure 'y'; ")

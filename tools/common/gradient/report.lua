@@ -15,12 +15,13 @@ local function short(x) return x and x == x and ("%.2g"):format(x) or "not known
 
 -- Sentences on what is not as it should be.
 function report.doubts(o, found)
-  local list = {}
+  local list = { found.inaccurate and "the run itself is inaccurate: " .. found.inaccurate }
   for j, p in ipairs(o.parameters) do
     local slope, runs = found.slopes[j], found.runs[j]
     if runs ~= runs then
       list[#list + 1] = ("%s: a run beside does not reach the end"):format(p.name)
-    elseif math.abs(runs - slope) > kink * math.max(math.abs(slope), math.abs(runs)) + 10 * found.rounding[j] then
+    elseif math.abs(runs - slope) > kink * math.max(math.abs(slope), math.abs(runs)) + 10 * found.rounding[j]
+      + found.noise[j] then
       list[#list + 1] = (("%s: whole runs beside give %.6g: a kink (a rope that goes slack, a contact), an event or motion "
         .. "without order lies between; the derivative holds on this side alone"):format(p.name, runs))
     end
