@@ -1,7 +1,8 @@
 /* What derivatives of a run cost in runs: an adjoint by few and by many parameters, tangents by one and by four, of
  * cloth of springs, sheets of triangles that bend, a block of tetrahedra, and chains, by each kind of method. Processor
  * time of one thread, the least of some repeats taken in turn; `again`: the steps taken again, which every derivative
- * needs once and which count as part of it. A tangent is that of one parameter more, and one alone in brackets. */
+ * needs once and which count as part of it. A tangent is that of one parameter more, and one alone in brackets.
+ * Arguments: the particles of a cloth's edge, a part of the scenes' names, a method. */
 #include "tests/bench/cloth.h"
 #include "tests/support/sheets.h"
 #include "tests/support/varied_scenes.h"
@@ -193,6 +194,8 @@ int main(int count, char **argument) {
          "method", "run, ms", "again", "by 2", "by 32", "a tangent");
   for (size_t k = 0; k < sizeof SUBJECTS / sizeof *SUBJECTS; k++)
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+      if (count > 2 && !strstr(SUBJECTS[k].name, argument[2])) continue;
+      if (count > 3 && strcmp(methods[m], argument[3]) != 0) continue;
       costs c = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
       for (int q = 0; q < REPEATS; q++) measure(&SUBJECTS[k], methods[m], 2e-4, steps, &c);
       printf("%-36s %-14s %9.2f %6.2f %6.2f %6.2f %6.2f (%5.2f)\n", SUBJECTS[k].name, methods[m], 1e3 * c.run,

@@ -31,11 +31,11 @@ static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, hk_matrix *K
 static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, const double *dX, double *a) {
   size_t v = 3 * s->n;
   for (size_t i = 0; i < s->n; i++)
-    for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++)
-      for (size_t p = 0; p < 9; p++) {
-        size_t at = 3 * (size_t)K->column[e] + p % 3;
-        a[3 * i + p / 3] -= K->value[9 * e + p] * dX[at] + D->value[9 * e + p] * dX[v + at];
-      }
+    for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++) {
+      const double *x = dX + 3 * (size_t)K->column[e], *u = x + v, *k = K->value + 9 * e, *d = D->value + 9 * e;
+      for (size_t p = 0; p < 3; p++, k += 3, d += 3)
+        a[3 * i + p] -= (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) + (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
+    }
   hk_sensitivity_divide(s, a);
   hk_riders_follow(&s->dynamics->state->model, a);
 }
