@@ -15,19 +15,39 @@ void hk_sensitivity_divide(const hk_sensitivity *s, double *a) {
   if (s->dynamics->pins->has_slides) hk_pins_filter(s->dynamics->pins, a);
 }
 
+static const hk_force_tables *tables_at(const hk_dynamics *d, size_t k) {
+  return hk_force_of(d->plugins->kind[HK_FORCE].item[k]->plugin);
+}
+
 /* Which forces evaluations and Jacobians include: those with an exact Jacobian, or the others. */
 static void take_only(hk_sensitivity *s, bool exact) {
   hk_dynamics *d = s->dynamics;
   for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = s->exact[k] == exact;
 }
 
-static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, hk_matrix *K, hk_matrix *D) {
+/* Whether the force's product with its transposed Jacobian is that with its Jacobian. */
+static bool multiplies(const hk_sensitivity *s, size_t k) {
+  const hk_force_tables *f = tables_at(s->dynamics, k);
+  return s->exact[k] && f->implicit.transposed && f->own.flags & HK_SYMMETRIC_JACOBIAN;
+}
+
+/* Of the forces with exact Jacobians, but for those that multiply themselves where these are left `out`. *any: there
+ * are some that are not constant. */
+static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, bool out, hk_matrix *K, hk_matrix *D, bool *any) {
+  hk_dynamics *d = s->dynamics;
+  hk_status status = HK_OK;
   take_only(s, true);
-  hk_status status = hk_jacobian_assemble(&s->dynamics->system, p->t, p->X, 0, K, D);
-  hk_dynamics_take_all(s->dynamics);
+  *any = !out;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    d->takes[k] = d->takes[k] && !(out && multiplies(s, k));
+    *any |= d->takes[k] && tables_at(d, k)->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
+  }
+  if (*any) status = hk_jacobian_assemble(&d->system, p->t, p->X, 0, K, D);
+  hk_dynamics_take_all(d);
   return status;
 }
 
+/* a -= K dx + D dv, in N */
 static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, const double *dX, double *a) {
   size_t v = 3 * s->n;
   for (size_t i = 0; i < s->n; i++)
@@ -36,8 +56,35 @@ static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_mat
       for (size_t p = 0; p < 3; p++, k += 3, d += 3)
         a[3 * i + p] -= (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) + (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
     }
-  hk_sensitivity_divide(s, a);
-  hk_riders_follow(&s->dynamics->state->model, a);
+}
+
+/* into = (dF/dx, dF/dv)^T u of force k, added. */
+static hk_status transposed_of(hk_sensitivity *s, const hk_stage_point *p, size_t k, const double *u,
+                               const hk_transposed *into) {
+  hk_dynamics *d = s->dynamics;
+  hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
+  const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
+  const hk_instance *outer = hk_enter(one);
+  hk_status status = tables_at(d, k)->implicit.transposed(one->self, &view, u, into);
+  return hk_leave_with(one, outer, "transposed", status);
+}
+
+/* a += (dF/dx) dx + (dF/dv) dv of the forces that multiply themselves, in N. */
+static hk_status multiply(hk_sensitivity *s, const hk_stage_point *p, const double *dX, double *a) {
+  hk_dynamics *d = s->dynamics;
+  size_t v = 3 * s->n;
+  double *by = s->scratch + 3 * v;
+  hk_status status = hk_dynamics_set_time(d, p->t);
+  for (int half = 0; half < 2; half++) {
+    unsigned flag = half ? HK_DEPENDS_ON_V : HK_DEPENDS_ON_X;
+    memset(by, 0, 2 * v * sizeof *by);
+    for (size_t k = 0; k < d->split.forces && status == HK_OK; k++)
+      if (multiplies(s, k) && d->force_acts[k] && tables_at(d, k)->own.flags & flag)
+        status = transposed_of(s, p, k, dX + (half ? v : 0), &(hk_transposed){by, by + v, NULL, NULL});
+    for (size_t e = 0; e < v; e++) a[e] += by[half ? v + e : e];
+  }
+  hk_riders_gather(&d->state->model, a);
+  return status;
 }
 
 /* The largest distance of a coordinate from the first particle's, or the largest speed. */
@@ -73,14 +120,23 @@ static hk_status add_differences(hk_sensitivity *s, const hk_stage_point *p, con
   return status;
 }
 
+/* Of more changes than these, blocks that are made once are cheaper than a product for each. */
+enum { FEW_CHANGES = 3 };
+
 hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart,
                                   const double *dX, double *a) {
   hk_matrix K, D;
-  hk_status status = blocks(s, p, &K, &D);
+  bool few = count <= FEW_CHANGES, any;
+  hk_status status = blocks(s, p, few, &K, &D, &any);
   for (size_t j = 0; j < count && status == HK_OK; j++) {
-    memset(a + j * apart, 0, 3 * s->n * sizeof *a);
-    add_blocks(s, &K, &D, dX + j * apart, a + j * apart);
-    if (!s->all_exact) status = add_differences(s, p, dX + j * apart, a + j * apart);
+    const double *change = dX + j * apart;
+    double *to = a + j * apart;
+    memset(to, 0, 3 * s->n * sizeof *to);
+    if (any) add_blocks(s, &K, &D, change, to);
+    if (few) status = multiply(s, p, change, to);
+    hk_sensitivity_divide(s, to);
+    hk_riders_follow(&s->dynamics->state->model, to);
+    if (!s->all_exact && status == HK_OK) status = add_differences(s, p, change, to);
   }
   return status;
 }
@@ -114,7 +170,8 @@ hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, do
   double *column = calloc(3 * v + 1, sizeof *column);
   if (!column) return hk_error_set(s->dynamics->error, HK_NO_MEMORY, "no memory for the Jacobian of accelerations");
   memset(A, 0, 2 * v * v * sizeof *A);
-  hk_status status = blocks(s, p, &K, &D);
+  bool any;
+  hk_status status = blocks(s, p, false, &K, &D, &any);
   if (status == HK_OK) {
     scatter(s, &K, 0, A);
     scatter(s, &D, v, A);
@@ -125,10 +182,6 @@ hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, do
 }
 
 /* ---- transposed ---- */
-
-static const hk_force_tables *tables_at(const hk_dynamics *d, size_t k) {
-  return hk_force_of(d->plugins->kind[HK_FORCE].item[k]->plugin);
-}
 
 /* Which forces have no product of their own, and are not constant; whether there are any. */
 static bool take_only_blocks(hk_dynamics *d) {
@@ -162,14 +215,10 @@ static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p,
   hk_dynamics *d = s->dynamics;
   hk_status status = hk_dynamics_set_time(d, p->t);
   for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
-    hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
     if (!tables_at(d, k)->implicit.transposed || !d->force_acts[k]) continue;
-    const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
     hk_transposed into = {dX, dX + 3 * s->n, NULL, NULL};
     if (slopes && slopes->covers[k]) into.parameter = (double *const *)slopes->force[k], into.mass = slopes->mass;
-    const hk_instance *outer = hk_enter(one);
-    status = tables_at(d, k)->implicit.transposed(one->self, &view, force, &into);
-    status = hk_leave_with(one, outer, "transposed", status);
+    status = transposed_of(s, p, k, force, &into);
   }
   return status;
 }
