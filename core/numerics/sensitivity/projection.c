@@ -110,6 +110,17 @@ hk_status hk_projection_stand(hk_sensitivity *s, double t, const double *x) {
   return status == HK_OK ? hk_constraint_matrix_factorize(s->dynamics) : status;
 }
 
+hk_status hk_projection_mix(hk_sensitivity *s, double t, const double *x, double t_of_push, const double *x_of_push) {
+  hk_dynamics *d = s->dynamics;
+  hk_status status = hk_projection_linearise(d, t_of_push, x_of_push);
+  if (status == HK_OK) status = hk_constraint_matrix_mix(d, t, x, x);
+  if (status != HK_NOT_CONVERGED || *d->error->text) return status;
+  return hk_error_set(d->error, status,
+                      "the equations of the constraints follow from each other in the step at t = %g s, where its "
+                      "derivative is not unique: leave out what says the same twice, or take a shorter step (--dt)",
+                      t);
+}
+
 /* ---- a step taken again ---- */
 
 /* The multipliers of W J^T l = change, by which free particles differ. */
@@ -254,8 +265,7 @@ hk_status hk_projection_drift(hk_sensitivity *s, const hk_taken_step *step, size
                               const double *da, const hk_projection_slopes *by, hk_carried *dZ, double *dX) {
   hk_projection *p = s->projection;
   size_t v = 3 * s->n;
-  hk_status status = hk_projection_linearise(s->dynamics, step->t, p->from);
-  if (status == HK_OK) status = hk_constraint_matrix_mix(s->dynamics, step->t + step->h, p->after, p->after);
+  hk_status status = hk_projection_mix(s, step->t + step->h, p->after, step->t, p->from);
   if (status == HK_OK) find_push(s, p->impulse);
   for (size_t j = 0; j < count && status == HK_OK; j++) {
     double *X = dX + j * apart, *Z = dZ + j * apart;
@@ -292,9 +302,10 @@ hk_status hk_projection_settle(hk_sensitivity *s, const hk_taken_step *step, siz
 
 /* ---- what parameters change ---- */
 
-/* Riders keep their weights, up to rounding: a weight that depends on a parameter differs by some 1e-5 of it. */
+/* What a parameter changes differs by some 1e-5 of it between two scenes; what it does not change, by rounding. */
+static const double rounding = 1e-10;
+
 static bool same_riders(const hk_model *a, const hk_model *b) {
-  static const double rounding = 1e-10;
   bool same = a->riders == b->riders;
   for (size_t k = 0; same && k < a->riders; k++) {
     const hk_rider *p = &a->rider[k], *q = &b->rider[k];
@@ -330,7 +341,8 @@ static hk_status vary_one(hk_sensitivity *s, const hk_varied *by, hk_projection_
   hk_status status = values_of(s, by->more, p->bend.beside[0]);
   if (status == HK_OK) status = values_of(s, by->less, p->bend.beside[1]);
   if (status != HK_OK) return hk_error_set(error, status, "%s", by->more->error->text);
-  bool any = false;
+  const double *more = p->bend.beside[0][0], *less = p->bend.beside[1][0];
+  bool any = false, turns = false;
   for (size_t k = 0; k < p->equations; k++) {
     slopes->g[k] = (by->more->constraints->g[k] - by->less->constraints->g[k]) / (2 * by->by);
     any |= slopes->g[k] != 0;
@@ -339,7 +351,8 @@ static hk_status vary_one(hk_sensitivity *s, const hk_varied *by, hk_projection_
     slopes->mass[i] = (by->more->state->model.mass[i] - by->less->state->model.mass[i]) / (2 * by->by);
     any |= slopes->mass[i] != 0;
   }
-  if (memcmp(p->bend.beside[0], p->bend.beside[1], named * sizeof *p->bend.beside[0]) != 0)
+  for (size_t e = 0; e < 3 * named; e++) turns |= !(fabs(more[e] - less[e]) <= rounding * (1 + fabs(more[e])));
+  if (turns)
     return hk_error_set(error, HK_FAILED,
                         "a parameter changes the length by which a guide is measured, which is not differentiated: "
                         "compare whole runs (hooke sweep)");

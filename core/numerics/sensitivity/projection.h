@@ -68,6 +68,8 @@ double hk_projection_slope(const hk_sensitivity *, const hk_projection_slopes *)
 /* J and W J at x; and the factors of J W J^T. */
 hk_status hk_projection_linearise(hk_dynamics *, double t, const double *x);
 hk_status hk_projection_stand(hk_sensitivity *, double t, const double *x);
+/* J_end = J at x, the factors of J_end W J^T, and J and W J at the other place. */
+hk_status hk_projection_mix(hk_sensitivity *, double t, const double *x, double t_of_push, const double *x_of_push);
 void hk_projection_rates(const hk_constraints *, double (*J)[3], const double *u, double *of); /* of = J u */
 
 #endif

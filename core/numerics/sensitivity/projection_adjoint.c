@@ -52,12 +52,12 @@ hk_status hk_projection_return(hk_sensitivity *s, const hk_taken_step *step, hk_
   hk_constraints *c = s->dynamics->constraints;
   size_t v = 3 * s->n;
   double h = step->h, *q = p->work + 5 * v, *bend = q + v;
-  hk_status status = hk_projection_linearise(s->dynamics, step->t + h, p->after);
-  if (status == HK_OK) status = hk_constraint_matrix_mix(s->dynamics, step->t, p->from, p->from);
+  hk_status status = hk_projection_mix(s, step->t, p->from, step->t + h, p->after);
+  if (status != HK_OK) return status;
   for (size_t e = 0; e < v; e++) q[e] = L[e] += L[v + e] / h;
   hk_sensitivity_divide(s, q);
   hk_projection_rates(c, c->J_end, q, c->rhs);
-  if (status == HK_OK) status = hk_constraint_matrix_solve_mixed(s->dynamics);
+  status = hk_constraint_matrix_solve_mixed(s->dynamics);
   if (status != HK_OK) return status;
   add_gradients(c, c->J, c->solution, -1, L);
   for (size_t k = 0; k < c->equations; k++) p->by_equation[k] -= c->solution[k];
