@@ -109,7 +109,8 @@ local function find(o)
     found = take(o, { compare = true })
   end
   if found.failed then
-    local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ") or ""
+    local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ")
+      or found.failed:find("kicks and drifts", 1, true) and "; these are leapfrog and symplectic_euler" or ""
     return nil, found.failed .. other
   end
   local wider = take(o, { factor = 4, dt = o.dt or found.dt })

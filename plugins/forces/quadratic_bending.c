@@ -35,11 +35,6 @@ static void evaluate(const void *self, const double *x, size_t begin, size_t end
   }
 }
 
-static void hessian(const void *self, const double *x, size_t k, unsigned e, double *H) {
-  (void)self, (void)x, (void)k, (void)e;
-  for (int q = 0; q < 144; q++) H[q] = 0;
-}
-
 static hk_status weigh(quadratic_bending *b, const hk_host *host) {
   b->bending.weight = host->allocate(host, (b->bending.count + 1) * sizeof *b->bending.weight);
   if (!b->bending.weight) return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->bending.count);
@@ -57,7 +52,7 @@ static hk_status weigh(quadratic_bending *b, const hk_host *host) {
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   quadratic_bending *b = self;
-  b->bending.element = (hk_element_force){.acting = {.values = 3, .evaluate = evaluate, .self = b}, .hessian = hessian};
+  b->bending.element = (hk_element_force){.acting = {.values = 3, .evaluate = evaluate, .self = b}};
   hk_status status = hk_bending_create(&b->bending, view, &b->given);
   return status == HK_OK ? weigh(b, host) : status;
 }

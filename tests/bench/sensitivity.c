@@ -1,7 +1,8 @@
 /* What derivatives of a run cost in runs: an adjoint by few and by many parameters, tangents by one and by four, of
  * cloth of springs, sheets of triangles that bend, a block of tetrahedra, and chains, by each kind of method. Processor
  * time of one thread, the least of some repeats taken in turn; `again`: the steps taken again, which every derivative
- * needs once and which count as part of it. A tangent is that of one parameter more, and one alone in brackets. */
+ * needs once and which count as part of it. A tangent is that of one parameter more, and one alone in brackets.
+ * Arguments: the particles of a cloth's edge, a part of the scenes' names, a method. */
 #include "tests/bench/cloth.h"
 #include "tests/support/sheets.h"
 #include "tests/support/varied_scenes.h"
@@ -124,6 +125,22 @@ static void cloud(test_engine *e, const double p[VARIED_PARAMETERS]) {
   test_plugin(e, HK_FORCE, "gravity");
 }
 
+/* Of rigid bars, hung at its first particle. */
+static void bars(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  enum { N = 101 };
+  static uint32_t pair[N - 1][2];
+  e->scene->threads = 1;
+  for (uint32_t i = 0; i < N; i++) {
+    test_particle(e, 0.02 * i, 0, 0, 0.01 * p[2]);
+    e->scene->particles.velocity[3 * i + 2] = p[3] * 0.02 * i;
+    if (i + 1 < N) pair[i][0] = i + 1, pair[i][1] = i + 2;
+  }
+  test_pin(e, HK_PIN_FIXED, 1, NULL);
+  test_edges(e, test_plugin(e, HK_CONSTRAINT, "bars"), (const uint32_t(*)[2])pair, N - 1);
+  test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", p[1]);
+  test_plugin(e, HK_FORCE, "gravity");
+}
+
 typedef struct subject {
   const char *name;
   varied_scene *scene;
@@ -137,7 +154,8 @@ static const subject SUBJECTS[] = {{"springs", springs, 100},
                                    {"baraff_witkin and hinges", hinges, 20},
                                    {"neo_hookean, solid", block, 20},
                                    {"springs and angle_springs", chain, 100},
-                                   {"central and gravity", cloud, 100}};
+                                   {"central and gravity", cloud, 100},
+                                   {"a chain of bars", bars, 100}};
 
 typedef struct costs {
   double run, again, few, many, one, four;
@@ -193,6 +211,9 @@ int main(int count, char **argument) {
          "method", "run, ms", "again", "by 2", "by 32", "a tangent");
   for (size_t k = 0; k < sizeof SUBJECTS / sizeof *SUBJECTS; k++)
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+      if (count > 2 && !strstr(SUBJECTS[k].name, argument[2])) continue;
+      if (SUBJECTS[k].scene == bars && m > 0) continue; /* by kicks and drifts alone */
+      if (count > 3 && strcmp(methods[m], argument[3]) != 0) continue;
       costs c = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
       for (int q = 0; q < REPEATS; q++) measure(&SUBJECTS[k], methods[m], 2e-4, steps, &c);
       printf("%-36s %-14s %9.2f %6.2f %6.2f %6.2f %6.2f (%5.2f)\n", SUBJECTS[k].name, methods[m], 1e3 * c.run,

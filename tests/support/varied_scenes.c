@@ -69,7 +69,7 @@ void varied_keep(varied_runs *r, size_t stride) {
   size_t size = s->wide;
   double *Z = calloc(size, sizeof *Z);
   s->kept = realloc(s->kept, (s->steps / stride + 1) * size * sizeof *s->kept);
-  s->tape = realloc(s->tape, stride * s->stages * 9 * s->n * sizeof *s->tape);
+  s->tape = realloc(s->tape, stride * s->each * sizeof *s->tape);
   assert_true(Z && s->kept && s->tape);
   memcpy(Z, s->start, 6 * s->n * sizeof *Z);
   for (size_t k = 0; k < s->steps; k += stride) {

@@ -85,6 +85,86 @@ code, text = gradient("pins.lua --of x --by k --way backwards")
 assert(code == 0, text)
 refused("pins.lua --of x --by far", "a parameter changes the path of a pin, which is not differentiated")
 
+-- ---- constraints: whole runs beside agree; a rigid body on a string of bars ----
+
+write("bodies.lua", [[
+local rho, g, spin = param("rho", 700, "kg/m^3"), param("g", 9.81, "m/s^2"), param("spin", 2, "rad/s")
+local L = param("L", 0.5, "of the string, m")
+local scene = hooke.scene { duration = 0.4, fps = 20, integrator = "leapfrog", dt = 1e-3 }
+local function box(x, density, w)
+  return scene:rigid { shape = "box", size = { 0.4, 0.3, 0.2 }, density = density, position = { x, 0, 0 }, spin = w }
+end
+local a, b = box(0.2, rho, { 1, spin, 0.5 }), box(0.7, 500)
+scene:joint { kind = "ball", a = a, b = b, at = { 0.45, 0, 0 } }
+local string = scene:strand { n = 3, from = { 0, 0, L }, to = { 0, 0, 0 }, mass = 0.5 }
+scene:pin { string:at(1) }
+scene:joint { kind = "ball", a = a, b = string:at(3), at = { 0, 0, 0 } }
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:constraint("bars", { edges = string:structural() })
+scene:measure("x", function(s) return b:position(s)[1] + 0.2 * b:velocity(s)[3] + a:spin(s)[1] end)
+return scene
+]])
+write("slider.lua", [[
+local rho, g, spin = param("rho", 700, "kg/m^3"), param("g", 9.81, "m/s^2"), param("spin", 2, "rad/s")
+local L = param("L", 0.4, "of the spring, m")
+local scene = hooke.scene { duration = 0.5, fps = 20, integrator = "leapfrog", dt = 1e-3 }
+local function box(x, density, w)
+  return scene:rigid { shape = "box", size = { 0.4, 0.3, 0.2 }, density = density, position = { x, 0, 0 }, spin = w }
+end
+local a, b, c = box(0, rho, { 0, 0, spin }), box(0.5, 500), box(1, 600)
+scene:joint { kind = "hinge", a = a, at = { 0, 0, 0 }, axis = { 0, 0, 1 } }
+scene:joint { kind = "slider", a = a, b = b, at = { 0.25, 0, 0 }, axis = { 1, 0, 0 } }
+scene:joint { kind = "hinge", a = b, b = c, at = { 0.75, 0, 0 }, axis = { 0, 1, 0 } }
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:force("springs", { edges = { { a:point { 0.1, 0, 0 }, b:point { 0.1, 0, 0 } } }, k = 60, rest = L, damping = 2 })
+scene:measure("x", function(s) return c:position(s)[1] + 0.2 * c:velocity(s)[3] + a:spin(s)[3] end)
+return scene
+]])
+for k = 1, 4 do
+  local name, way = k < 3 and "bodies" or "slider", k % 2 == 1 and "forwards" or "backwards"
+  code, text = gradient(name .. ".lua --of x --by rho,g,spin,L --way " .. way)
+  assert(code == 0, text)
+  local list = read("out/gradient/" .. name .. "/gradient.json"):match('"parameters":(%b[])')
+  for row in list:gmatch("%b{}") do
+    local slope, whole = tonumber(row:match('"derivative":([^,}]+)')), tonumber(row:match('"by_runs":([^,}]+)'))
+    assert(math.abs(slope - whole) < 1e-6 * math.abs(slope), row) -- differences of 1e-5 of a parameter
+  end
+end
+
+-- A bead on a rod that a pin turns at 2 rad/s: r = r_0 cosh 2t + v_0/2 sinh 2t.
+write("bead.lua", [[
+local r, v = param("r", 0.1, "m"), param("v", 0.05, "m/s")
+local scene = hooke.scene { duration = 1, fps = 20, dt = 2e-3, integrator = "leapfrog" }
+local ends = {}
+for k, p in ipairs { { 0, 0, 0 }, { 0, 0, 1 }, { 0, 0.5, 1 } } do ends[k] = scene:particle { position = p } end
+local bead = scene:particle { position = { r, 0, 0 }, velocity = { v, 2 * r, 0 }, mass = 3 }
+scene:pin { ends[1], ends[2] }
+scene:pin({ ends[3] }, { path = function(s) return -0.5 * math.sin(2 * s), 0.5 * math.cos(2 * s) - 0.5, 0 end })
+scene:constraint("guides", { points = { { ends[1], bead, ends[2], ends[3] } } })
+scene:measure("x", function(s) return math.sqrt(s:position(bead)[1] ^ 2 + s:position(bead)[2] ^ 2) end)
+return scene
+]])
+for _, way in ipairs { "forwards", "backwards" } do
+  code, text = gradient("bead.lua --of x --by r,v --way " .. way)
+  assert(code == 0, text)
+  for name, slope in pairs { r = (math.exp(2) + math.exp(-2)) / 2, v = (math.exp(2) - math.exp(-2)) / 4 } do
+    local by, by_steps, by_rounding = derivative(text, name)
+    assert(math.abs(by - slope) <= 1.05 * by_steps + by_rounding and by_steps < 1e-4, text)
+  end
+end
+refused("bodies.lua --of x --by g --integrator rk4", "integrator 'rk4' brings the state back onto constraints by an iteration")
+
+write("bowl.lua", [[
+local g = param("g", 9.81, "m/s^2")
+local scene = hooke.scene { duration = 0.1, integrator = "leapfrog", dt = 1e-2 }
+local p = scene:particle { position = { 1, 0, 0 } }
+scene:constraint("surface", { particles = { p } })
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+refused("bowl.lua --of x --by g", "constraint 'surface' states no second derivatives of its equations")
+
 -- ---- a rope that goes slack, where the derivative is one-sided ----
 
 write("rope.lua", [[
@@ -99,6 +179,38 @@ return scene
 ]])
 code, text = gradient("rope.lua --of x --by far")
 assert(code == 2 and text:find("not sure: far: whole runs beside give", 1, true), text)
+
+-- ---- a parameter that changes nothing: what whole runs differ by is rounding, and no kink ----
+
+write("pendulum.lua", [[
+local m, L = param("m", 1.4, "kg"), param("L", 0.9, "m")
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "leapfrog", dt = 1e-3 }
+local o, p = scene:particle { position = { 0, 0, 0 } }, scene:particle { position = { L * math.sin(1.1), 0, -L * math.cos(1.1) }, mass = m }
+scene:pin { o }
+scene:force("gravity", { g = { 0, 0, -9.81 } })
+scene:constraint("bars", { edges = { { o, p } } })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+for _, way in ipairs { "forwards", "backwards" } do
+  code, text = gradient("pendulum.lua --of x --by m,L --way " .. way)
+  assert(code == 0, text)
+  assert(math.abs(derivative(text, "m")) < 1e-10, text) -- eps/1e-5
+end
+
+-- ---- a run that explodes has no derivative worth the name ----
+
+write("explode.lua", [[
+local k, far = param("k", 4e4, "N/m"), param("far", 1.1, "m")
+local scene = hooke.scene { duration = 1, fps = 100, integrator = "leapfrog", dt = 1e-2 }
+local o, p = scene:particle { position = { 0, 0, 0 } }, scene:particle { position = { far, 0, 0 } }
+scene:pin { o }
+scene:force("springs", { edges = { { o, p } }, k = k, rest = 1 })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+refused("explode.lua --of x --by k=1e5", "the run explodes: its energy grew by")
+refused("explode.lua --of x --by k=1e5 --at 0.5", "the run explodes: its energy grew by")
 
 -- ---- what is refused ----
 

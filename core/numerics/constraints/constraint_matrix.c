@@ -202,7 +202,7 @@ static hk_status open_mixed(hk_dynamics *d, hk_constraints *c) {
   return status;
 }
 
-hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x, const double *v) {
+hk_status hk_constraint_matrix_mix(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   c->kept = false;
   hk_status status = open_mixed(d, c);
@@ -210,11 +210,23 @@ hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x,
   if (status != HK_OK) return status;
   find_own(c, c->J_end);
   hk_matrix A = assemble(c, c->J_end, false);
-  for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];
   hk_error before = *d->error;
   status = hk_linear_system_factorize(d, &c->mixed, &A);
   if (status == HK_NOT_CONVERGED) *d->error = before; /* the solver names a row; the caller has the equation */
-  if (status == HK_OK) status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);
+  return status;
+}
+
+hk_status hk_constraint_matrix_solve_mixed(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
+  hk_status status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
+}
+
+hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
+  hk_status status = hk_constraint_matrix_mix(d, t, x, v);
+  for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->g[k];
+  return status == HK_OK ? hk_constraint_matrix_solve_mixed(d) : status;
 }

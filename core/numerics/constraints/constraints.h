@@ -230,6 +230,10 @@ hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A
 /* solution = -(J' W J^T)^-1 g, J' at x and J of the last linearisation: a round of Newton's iteration. A and its
  * factors are no longer those of the linearisation. */
 hk_status hk_constraint_matrix_newton(hk_dynamics *, double t, const double *x, const double *v);
+/* Its two parts: J_end = J' at x, and the factors of J' W J^T, with J of the last linearisation; solution = (J' W
+ * J^T)^-1 rhs, 0 where an equation rests, and rhs is overwritten. HK_NOT_CONVERGED: it is singular. */
+hk_status hk_constraint_matrix_mix(hk_dynamics *, double t, const double *x, const double *v);
+hk_status hk_constraint_matrix_solve_mixed(hk_dynamics *);
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);

@@ -1,6 +1,7 @@
 /* The adjoint: the transposed derivative of each step, from the last one to the first. */
 #include "core/numerics/sensitivity/force_slopes.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,7 @@ typedef struct adjoint {
   double *dX;                /* 6n, that of its point */
   double *own;               /* 3n, da/dp */
   double *slope;
+  hk_projection_slopes *by_constraints;
   double *kept; /* da/dp of all points: those of `s->shared`, or to become these; NULL: not kept */
   bool known;   /* they are there */
 } adjoint;
@@ -104,6 +106,35 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
   return status == HK_OK ? note_parameters(w, step, k) : status;
 }
 
+/* A step with constraints. */
+static hk_status projected(adjoint *w, const hk_taken_step *step) {
+  hk_sensitivity *s = w->s;
+  size_t v = 3 * s->n, last = s->method->count - 1;
+  double *L = w->L, *end = L + 2 * v, *dX = w->dX;
+  hk_status status = hk_projection_unsettle(s, step, L);
+  for (size_t e = 0; e < v && last > 0; e++) w->u[last][e] = end[e] + step->h * s->method->v_end[last] * L[v + e];
+  memset(end, 0, v * sizeof *end);
+  if (last > 0 && status == HK_OK)
+    status = hk_sensitivity_transposed(s, &s->point[last], w->u[last], dX, w->any ? &w->by_forces : NULL);
+  if (last > 0 && status == HK_OK) status = note_parameters(w, step, last);
+  for (size_t e = 0; e < v && last > 0; e++) {
+    L[e] += dX[e];
+    L[v + e] += 2 * dX[v + e]; /* the point's v is 2 v_m - v */
+  }
+  if (status == HK_OK) status = hk_projection_return(s, step, L, w->u[0]);
+  for (size_t e = 0; e < v && last > 0; e++) L[v + e] -= dX[v + e];
+  return status == HK_OK ? stage_of(w, step, 0) : status;
+}
+
+static hk_status step_of(adjoint *w, const hk_taken_step *step) {
+  hk_status status = HK_OK;
+  if (w->s->projection) return projected(w, step);
+  depart(w, step);
+  for (size_t k = hk_sensitivity_method(w->s, step)->count; k-- > 0 && status == HK_OK;) status = stage_of(w, step, k);
+  pass_on(w, step);
+  return status;
+}
+
 /* The points of the steps begin to end - 1, and the states after them where they are asked for. */
 static hk_status have_segment(adjoint *w, size_t begin, size_t end) {
   hk_sensitivity *s = w->s;
@@ -131,10 +162,9 @@ static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
     const double *after = w->segment ? w->segment + (i - begin) * 6 * s->n : NULL;
     hk_sensitivity_rewind(s, i);
     if (after) status = s->source(s->source_context, s->step[i].t + s->step[i].h, after, w->L);
-    depart(w, &s->step[i]);
-    for (size_t k = hk_sensitivity_method(s, &s->step[i])->count; k-- > 0 && status == HK_OK;)
-      status = stage_of(w, &s->step[i], k);
-    pass_on(w, &s->step[i]);
+    hk_riders_gather(&s->dynamics->state->model, w->L);
+    hk_riders_gather(&s->dynamics->state->model, w->L + 3 * s->n);
+    if (status == HK_OK) status = step_of(w, &s->step[i]);
   }
   return status;
 }
@@ -201,6 +231,7 @@ static hk_status all_steps(adjoint *w, double *X) {
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     hk_sensitivity_start(&w->by[j], s->n, w->dX);
     for (size_t e = 0; e < 6 * s->n; e++) w->slope[j] += X[e] * w->dX[e];
+    if (s->projection) w->slope[j] += hk_projection_slope(s, &w->by_constraints[j]);
     if (w->chained[j]) w->slope[j] += hk_force_slopes_by(&w->by_forces, s->dynamics, &w->by[j]);
   }
   return status;
@@ -223,7 +254,11 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *s, double *X, const hk_varied *
   w.own = w.dX + 2 * v;
   for (size_t k = 0; k < s->stages; k++) w.u[k] = w.own + (1 + k) * v;
   w.segment = s->source ? w.own + (1 + s->stages) * v : NULL;
-  hk_status status = all_steps(&w, X);
+  hk_status status = HK_OK;
+  if (s->projection) status = hk_projection_vary(s, by, count, &w.by_constraints, error);
+  if (s->projection) hk_projection_begin(s);
+  if (status == HK_OK) status = all_steps(&w, X);
+  free(w.by_constraints);
   hk_force_slopes_close(&w.by_forces, s->dynamics);
   free(w.chained);
   free(memory);

@@ -170,10 +170,10 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *s, size_t first, size_t last,
                                    hk_error *error) {
   size_t v = 3 * s->n, columns = 2 * v + 2 * controls;
   hk_bend_pass w = {.s = s, .by = by, .v = v, .controls = controls, .columns = columns, .moves = moves, .H = H};
-  if (s->implicit)
+  if (s->implicit || s->projection)
     return hk_error_set(error, HK_FAILED,
-                        "second derivatives are those of explicit steps alone: choose an explicit "
-                        "method, with --integrator");
+                        "second derivatives are those of explicit steps without constraints alone: choose an "
+                        "explicit method, with --integrator, or --way shooting");
   w.values = takes_values(s);
   hk_carried *Z = calloc(3 * v + 1, sizeof *Z);
   hk_status status = Z && reserve(&w, last - first) ? HK_OK : HK_NO_MEMORY;

@@ -19,6 +19,10 @@ static const double slow = 1e-9;
 /* Residual of a step of Newton's method, by which the next one is as much smaller. */
 static const double forcing = 1e-6;
 
+/* What a step of Newton's method by factors of an earlier matrix may leave of the residual: a Jacobian and its solution
+ * cost as much as several such steps. */
+static const double worth = 0.1;
+
 struct hk_implicit_stage {
   hk_matrix A; /* whose values are `value` */
   double *value;
@@ -62,15 +66,18 @@ void hk_implicit_stage_free(hk_implicit_stage *w) {
 static void product(const hk_implicit_stage *w, const double *x, double *y) {
   const hk_matrix *A = &w->A;
   memset(y, 0, 3 * A->rows * sizeof *y);
-  for (size_t i = 0; i < A->rows; i++)
-    for (size_t e = A->row_start[i]; e < A->row_start[i + 1]; e++)
-      for (size_t p = 0; p < 9; p++) {
-        size_t row = 3 * i + p / 3, column = 3 * (size_t)A->column[e] + p % 3;
-        if (w->transposed)
-          y[column] += w->value[9 * e + p] * x[row];
-        else
-          y[row] += w->value[9 * e + p] * x[column];
-      }
+  for (size_t i = 0; i < A->rows; i++) {
+    const double *u = x + 3 * i;
+    double *own = y + 3 * i, sum[3] = {0, 0, 0};
+    for (size_t e = A->row_start[i]; e < A->row_start[i + 1]; e++) {
+      const double *a = w->value + 9 * e, *there = x + 3 * (size_t)A->column[e];
+      double *to = y + 3 * (size_t)A->column[e];
+      for (size_t p = 0; p < 3 && !w->transposed; p++)
+        sum[p] += a[3 * p] * there[0] + a[3 * p + 1] * there[1] + a[3 * p + 2] * there[2];
+      for (size_t p = 0; p < 3 && w->transposed; p++) to[p] += a[p] * u[0] + a[3 + p] * u[1] + a[6 + p] * u[2];
+    }
+    for (size_t p = 0; p < 3; p++) own[p] += sum[p];
+  }
 }
 
 static hk_status combine(hk_sensitivity *s, const hk_stage_point *p, double by_v, double by_x, unsigned want,
@@ -305,13 +312,14 @@ static hk_status residual(const newton *q, double *size) {
   return status == HK_NOT_FINITE ? HK_OK : status;
 }
 
-/* Goes along da until the residual falls; where `once`, da is so small that it may be rounding. */
-static hk_status descend(const newton *q, bool once, double *size, bool *fell) {
+/* Goes along da, in `most` shorter parts at most, until the residual falls; where `once`, da is so small that it may be
+ * rounding. */
+static hk_status descend(const newton *q, int most, bool once, double *size, bool *fell) {
   hk_implicit_stage *w = q->s->implicit;
   size_t v = 3 * q->s->n;
   double part = 1, before = *size;
   memcpy(w->old, q->a, v * sizeof *q->a);
-  for (int i = 0; i < HALVINGS; i++, part /= 2) {
+  for (int i = 0; i < most; i++, part /= 2) {
     for (size_t e = 0; e < v; e++) q->a[e] = w->old[e] + part * w->da[e];
     hk_status status = residual(q, size);
     if (status != HK_OK) return status;
@@ -333,19 +341,45 @@ static bool is_small(const newton *q, double part) {
   return q->by_v * change <= part * (speed + place * q->by_v / q->by_x);
 }
 
+/* da by the factors that are there, of a matrix at an earlier point: without a Jacobian. */
+static hk_status pass_by_factors(const newton *q) {
+  hk_implicit_stage *w = q->s->implicit;
+  hk_system *system = &q->s->dynamics->system;
+  hk_solve_info info = {.tolerance = 1e-8};
+  by_mass(q->s, w->R);
+  system->filter(system, w->R);
+  hk_status status = system->linear->solve(system, w->R, w->da, &info);
+  system->filter(system, w->da);
+  return status;
+}
+
+/* Whether factors of an earlier matrix are worth a step of Newton's method: the last one by them left a small part of
+ * the residual, or there was none yet. */
+static bool are_useful(const newton *q, double size, double before) {
+  const hk_implicit_stage *w = q->s->implicit;
+  bool of_these = is_near(w->factor_v, q->by_v) && is_near(w->factor_x, q->by_x) && !w->factor_transposed;
+  return of_these && size <= worth * before;
+}
+
 static hk_status iterate(const newton *q) {
-  double size;
+  double size, before = INFINITY;
   bool fell = true;
   hk_status status = residual(q, &size);
   for (int i = 0; i < ITERATIONS && status == HK_OK; i++) {
     if (!isfinite(size)) break;
-    status = linearise_at(q->s, q->p, q->by_v, q->by_x, false);
-    if (status == HK_OK) status = pass_to(q->s, forcing, q->s->implicit->R);
+    bool simply = are_useful(q, size, before);
+    before = simply ? size : 0; /* and by a matrix of its own from then on */
+    if (simply)
+      status = pass_by_factors(q);
+    else
+      status = linearise_at(q->s, q->p, q->by_v, q->by_x, false);
+    if (!simply && status == HK_OK) status = pass_to(q->s, forcing, q->s->implicit->R);
     if (status != HK_OK) return status;
     bool rounding = is_small(q, 4 * DBL_EPSILON), close = is_small(q, 1e-10);
-    status = descend(q, close, &size, &fell);
+    status = descend(q, simply ? 1 : HALVINGS, close, &size, &fell);
     if (rounding || (close && !fell)) return status;
-    if (!fell) break;
+    if (!fell && !simply) break;
+    if (!fell) before = 0;
   }
   if (status != HK_OK) return status;
   return hk_error_set(q->s->dynamics->error, HK_NOT_CONVERGED,

@@ -9,11 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* m/s^2 of N, and what pins leave of it. */
-static void divide(const hk_sensitivity *s, double *a) {
+void hk_sensitivity_divide(const hk_sensitivity *s, double *a) {
   const double *by_mass = s->dynamics->state->model.inverse_mass;
   for (size_t e = 0; e < 3 * s->n; e++) a[e] *= by_mass[e / 3];
   if (s->dynamics->pins->has_slides) hk_pins_filter(s->dynamics->pins, a);
+}
+
+static const hk_force_tables *tables_at(const hk_dynamics *d, size_t k) {
+  return hk_force_of(d->plugins->kind[HK_FORCE].item[k]->plugin);
 }
 
 /* Which forces evaluations and Jacobians include: those with an exact Jacobian, or the others. */
@@ -22,22 +25,66 @@ static void take_only(hk_sensitivity *s, bool exact) {
   for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = s->exact[k] == exact;
 }
 
-static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, hk_matrix *K, hk_matrix *D) {
+/* Whether the force's product with its transposed Jacobian is that with its Jacobian. */
+static bool multiplies(const hk_sensitivity *s, size_t k) {
+  const hk_force_tables *f = tables_at(s->dynamics, k);
+  return s->exact[k] && f->implicit.transposed && f->own.flags & HK_SYMMETRIC_JACOBIAN;
+}
+
+/* Of the forces with exact Jacobians, but for those that multiply themselves where these are left `out`. *any: there
+ * are some that are not constant. */
+static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, bool out, hk_matrix *K, hk_matrix *D, bool *any) {
+  hk_dynamics *d = s->dynamics;
+  hk_status status = HK_OK;
   take_only(s, true);
-  hk_status status = hk_jacobian_assemble(&s->dynamics->system, p->t, p->X, 0, K, D);
-  hk_dynamics_take_all(s->dynamics);
+  *any = !out;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    d->takes[k] = d->takes[k] && !(out && multiplies(s, k));
+    *any |= d->takes[k] && tables_at(d, k)->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
+  }
+  if (*any) status = hk_jacobian_assemble(&d->system, p->t, p->X, 0, K, D);
+  hk_dynamics_take_all(d);
   return status;
 }
 
+/* a -= K dx + D dv, in N */
 static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, const double *dX, double *a) {
   size_t v = 3 * s->n;
   for (size_t i = 0; i < s->n; i++)
-    for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++)
-      for (size_t p = 0; p < 9; p++) {
-        size_t at = 3 * (size_t)K->column[e] + p % 3;
-        a[3 * i + p / 3] -= K->value[9 * e + p] * dX[at] + D->value[9 * e + p] * dX[v + at];
-      }
-  divide(s, a);
+    for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++) {
+      const double *x = dX + 3 * (size_t)K->column[e], *u = x + v, *k = K->value + 9 * e, *d = D->value + 9 * e;
+      for (size_t p = 0; p < 3; p++, k += 3, d += 3)
+        a[3 * i + p] -= (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) + (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
+    }
+}
+
+/* into = (dF/dx, dF/dv)^T u of force k, added. */
+static hk_status transposed_of(hk_sensitivity *s, const hk_stage_point *p, size_t k, const double *u,
+                               const hk_transposed *into) {
+  hk_dynamics *d = s->dynamics;
+  hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
+  const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
+  const hk_instance *outer = hk_enter(one);
+  hk_status status = tables_at(d, k)->implicit.transposed(one->self, &view, u, into);
+  return hk_leave_with(one, outer, "transposed", status);
+}
+
+/* a += (dF/dx) dx + (dF/dv) dv of the forces that multiply themselves, in N. */
+static hk_status multiply(hk_sensitivity *s, const hk_stage_point *p, const double *dX, double *a) {
+  hk_dynamics *d = s->dynamics;
+  size_t v = 3 * s->n;
+  double *by = s->scratch + 3 * v;
+  hk_status status = hk_dynamics_set_time(d, p->t);
+  for (int half = 0; half < 2; half++) {
+    unsigned flag = half ? HK_DEPENDS_ON_V : HK_DEPENDS_ON_X;
+    memset(by, 0, 2 * v * sizeof *by);
+    for (size_t k = 0; k < d->split.forces && status == HK_OK; k++)
+      if (multiplies(s, k) && d->force_acts[k] && tables_at(d, k)->own.flags & flag)
+        status = transposed_of(s, p, k, dX + (half ? v : 0), &(hk_transposed){by, by + v, NULL, NULL});
+    for (size_t e = 0; e < v; e++) a[e] += by[half ? v + e : e];
+  }
+  hk_riders_gather(&d->state->model, a);
+  return status;
 }
 
 /* The largest distance of a coordinate from the first particle's, or the largest speed. */
@@ -73,14 +120,23 @@ static hk_status add_differences(hk_sensitivity *s, const hk_stage_point *p, con
   return status;
 }
 
+/* Of more changes than these, blocks that are made once are cheaper than a product for each. */
+enum { FEW_CHANGES = 3 };
+
 hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart,
                                   const double *dX, double *a) {
   hk_matrix K, D;
-  hk_status status = blocks(s, p, &K, &D);
+  bool few = count <= FEW_CHANGES, any;
+  hk_status status = blocks(s, p, few, &K, &D, &any);
   for (size_t j = 0; j < count && status == HK_OK; j++) {
-    memset(a + j * apart, 0, 3 * s->n * sizeof *a);
-    add_blocks(s, &K, &D, dX + j * apart, a + j * apart);
-    if (!s->all_exact) status = add_differences(s, p, dX + j * apart, a + j * apart);
+    const double *change = dX + j * apart;
+    double *to = a + j * apart;
+    memset(to, 0, 3 * s->n * sizeof *to);
+    if (any) add_blocks(s, &K, &D, change, to);
+    if (few) status = multiply(s, p, change, to);
+    hk_sensitivity_divide(s, to);
+    hk_riders_follow(&s->dynamics->state->model, to);
+    if (!s->all_exact && status == HK_OK) status = add_differences(s, p, change, to);
   }
   return status;
 }
@@ -100,7 +156,7 @@ static hk_status finish_column(hk_sensitivity *s, const hk_stage_point *p, size_
   size_t v = 3 * s->n;
   double *unit = column + v;
   for (size_t i = 0; i < v; i++) column[i] = A[i * 2 * v + e];
-  divide(s, column);
+  hk_sensitivity_divide(s, column);
   unit[e] = 1;
   hk_status status = s->all_exact ? HK_OK : add_differences(s, p, unit, column);
   unit[e] = 0;
@@ -114,7 +170,8 @@ hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, do
   double *column = calloc(3 * v + 1, sizeof *column);
   if (!column) return hk_error_set(s->dynamics->error, HK_NO_MEMORY, "no memory for the Jacobian of accelerations");
   memset(A, 0, 2 * v * v * sizeof *A);
-  hk_status status = blocks(s, p, &K, &D);
+  bool any;
+  hk_status status = blocks(s, p, false, &K, &D, &any);
   if (status == HK_OK) {
     scatter(s, &K, 0, A);
     scatter(s, &D, v, A);
@@ -125,10 +182,6 @@ hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, do
 }
 
 /* ---- transposed ---- */
-
-static const hk_force_tables *tables_at(const hk_dynamics *d, size_t k) {
-  return hk_force_of(d->plugins->kind[HK_FORCE].item[k]->plugin);
-}
 
 /* Which forces have no product of their own, and are not constant; whether there are any. */
 static bool take_only_blocks(hk_dynamics *d) {
@@ -162,37 +215,42 @@ static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p,
   hk_dynamics *d = s->dynamics;
   hk_status status = hk_dynamics_set_time(d, p->t);
   for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
-    hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
     if (!tables_at(d, k)->implicit.transposed || !d->force_acts[k]) continue;
-    const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
     hk_transposed into = {dX, dX + 3 * s->n, NULL, NULL};
     if (slopes && slopes->covers[k]) into.parameter = (double *const *)slopes->force[k], into.mass = slopes->mass;
-    const hk_instance *outer = hk_enter(one);
-    status = tables_at(d, k)->implicit.transposed(one->self, &view, force, &into);
-    status = hk_leave_with(one, outer, "transposed", status);
+    status = transposed_of(s, p, k, force, &into);
   }
   return status;
 }
 
 hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX,
                                     hk_force_slopes *slopes) {
-  const double *by_mass = s->dynamics->state->model.inverse_mass;
+  const hk_model *model = &s->dynamics->state->model;
+  const double *by_mass = model->inverse_mass;
   size_t v = 3 * s->n;
   double *force = s->scratch;
   memset(dX, 0, 2 * v * sizeof *dX);
   memcpy(force, u, v * sizeof *u);
-  divide(s, force);
-  hk_status status = transposed_by_force(s, p, force, dX, slopes);
+  hk_riders_gather(model, force);
   for (size_t i = 0; slopes && i < s->n; i++) /* a = F/m */
-    for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * u[e] * p->a[e];
-  return status == HK_OK ? transposed_blocks(s, p, force, dX) : status;
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * force[e] * p->a[e];
+  hk_sensitivity_divide(s, force);
+  hk_status status = transposed_blocks(s, p, force, dX);
+  hk_riders_follow(model, force);
+  if (status == HK_OK) status = transposed_by_force(s, p, force, dX, slopes);
+  hk_riders_gather(model, dX);
+  hk_riders_gather(model, dX + v);
+  return status;
 }
 
 /* ---- by a parameter ---- */
 
-/* A pin's path is imposed on the place that an evaluation is given. */
-static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t count) {
-  if (memcmp(more, less, count * sizeof *more) == 0) return HK_OK;
+/* A pin's path is imposed on the place that an evaluation is given, and so are riders, but for rounding. */
+static hk_status refuse_moved_path(const hk_varied *by, const double *more, const double *less, size_t n) {
+  const uint8_t *pin = by->more->state->model.pin;
+  bool moved = false;
+  for (size_t e = 0; e < 6 * n; e++) moved |= more[e] != less[e] && pin[e / 3 % n] != HK_PIN_RIDES;
+  if (!moved) return HK_OK;
   return hk_error_set(
       by->more->error, HK_FAILED,
       "a parameter changes the path of a pin, which is not differentiated: let a force draw the particle along it");
@@ -214,7 +272,7 @@ hk_status hk_sensitivity_by_parameter(hk_sensitivity *s, const hk_stage_point *p
   if (status == HK_OK) status = hk_sensitivity_evaluate(by->less, p->t, Y, less);
   hk_dynamics_take_all(by->more);
   hk_dynamics_take_all(by->less);
-  if (status == HK_OK) status = refuse_moved_path(by, X, Y, 2 * v);
+  if (status == HK_OK) status = refuse_moved_path(by, X, Y, s->n);
   for (size_t e = 0; e < v && status == HK_OK; e++) a[e] = (a[e] - less[e]) / (2 * by->by);
   if (status == HK_OK) return HK_OK;
   const char *why = *by->more->error->text ? by->more->error->text : by->less->error->text;

@@ -1,6 +1,7 @@
 /* The record of a run's steps, and the steps taken again. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,15 +22,13 @@ static hk_status refuse_method(const hk_loop *loop, hk_error *error) {
 }
 
 static hk_status refuse_kinds(const hk_loop *loop, hk_error *error) {
-  static const hk_kind kinds[] = {HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE};
-  for (int k = 0; k < 3; k++)
+  static const hk_kind kinds[] = {HK_CORRECTOR, HK_SOURCE};
+  for (int k = 0; k < 2; k++)
     if (loop->plugins->kind[kinds[k]].count)
       return hk_error_set(error, HK_FAILED,
                           "%s '%s' acts on the steps, and is not differentiated: leave it out (--without), or take "
                           "forces in its place, stiff ones with an implicit integrator",
                           hk_kind_name(kinds[k]), loop->plugins->kind[kinds[k]].item[0]->label);
-  if (loop->state->model.riders)
-    return hk_error_set(error, HK_FAILED, "the scene has rigid bodies, whose steps are not differentiated");
   if (loop->state->width)
     return hk_error_set(error, HK_FAILED, "the scene has channels, which are not differentiated: leave them out");
   return HK_OK;
@@ -62,6 +61,7 @@ static hk_status refuse_force(const hk_instance *force, double t, hk_error *erro
 static hk_status refuse(const hk_loop *loop, hk_error *error) {
   hk_status status = refuse_method(loop, error);
   if (status == HK_OK) status = refuse_kinds(loop, error);
+  if (status == HK_OK) status = hk_projection_refuse(loop, error);
   for (size_t k = 0; k < loop->plugins->kind[HK_FORCE].count && status == HK_OK; k++)
     status = refuse_force(loop->plugins->kind[HK_FORCE].item[k], loop->state->t, error);
   for (size_t k = 0; k < loop->pins->count && status == HK_OK; k++)
@@ -125,7 +125,9 @@ static hk_status reserve(hk_sensitivity *s) {
   size_t v = 3 * s->n, stages = s->stages;
   s->exact = calloc(s->loop->plugins->kind[HK_FORCE].count + 1, sizeof *s->exact);
   s->start = malloc((2 * v + 1) * sizeof *s->start);
-  s->scratch = malloc(((5 + 3 * stages) * v + 1) * sizeof *s->scratch);
+  if (hk_projection_open(s) != HK_OK) return HK_NO_MEMORY;
+  s->each = 3 * v * stages + hk_projection_taped(s);
+  s->scratch = malloc((5 * v + s->each + 1) * sizeof *s->scratch);
   bool implicit = has_implicit(s->method) || (s->method->start && has_implicit(s->method->start));
   if (implicit) s->implicit = hk_implicit_stage_create(s->n);
   if (!s->exact || !s->start || !s->scratch || (implicit && !s->implicit)) return HK_NO_MEMORY;
@@ -163,32 +165,31 @@ hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *er
 
 /* ---- the steps taken again ---- */
 
-/* Numbers of the tape of one step. */
-static size_t taped(size_t n, size_t stages) { return 9 * n * stages; }
-
 /* As many steps as the tape takes at least, and sqrt N: so memory grows no faster. */
-static size_t stride_of(size_t n, size_t steps, size_t stages) {
-  double room = HK_TAPE_MOST / ((double)taped(n, stages) * sizeof(double) + 1);
+static size_t stride_of(size_t steps, size_t each) {
+  double room = HK_TAPE_MOST / ((double)each * sizeof(double) + 1);
   double stride = fmin(fmax(floor(room), ceil(sqrt((double)steps))), (double)steps);
   return stride > 1 ? (size_t)stride : 1;
 }
 
-double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages, size_t wide) {
-  double stride = (double)stride_of(n, steps, stages), kept = ceil((double)steps / stride);
-  return (kept * (double)wide + stride * (double)taped(n, stages)) * sizeof(double);
+double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
+  double stride = (double)stride_of(steps, each), kept = ceil((double)steps / stride);
+  return (kept * (double)wide + stride * (double)each) * sizeof(double);
 }
 
-/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size. */
-static double off_by(const double *X, const double *Y, size_t n) {
-  double worst = 0;
+/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size; of
+ * speeds, which may be rounding in a scene at rest, at least to that which crosses the scene in the time. */
+static double off_by(const double *X, const double *Y, size_t n, double time) {
+  double worst = 0, extent = 0;
   for (int half = 0; half < 2; half++) {
-    double most = 0, size = 0;
+    double most = 0, size = half && time > 0 ? extent / time : 0;
     for (size_t e = 3 * n * (size_t)half; e < 3 * n * (size_t)(half + 1); e++) {
       double from = half ? 0 : Y[e % 3];
       most = fmax(most, fabs(X[e] - Y[e]));
       size = fmax(size, fabs(Y[e] - from));
     }
     worst = fmax(worst, most / (size > 0 ? size : 1));
+    extent = size;
     if (!isfinite(most)) return INFINITY;
   }
   return worst;
@@ -209,15 +210,15 @@ static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
 
 hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   s->loop->hooks = s->hooks;
-  s->stride = stride_of(s->n, s->steps, s->stages);
+  s->stride = stride_of(s->steps, s->each);
   s->kept = malloc(((s->steps / s->stride + 1) * s->wide + 1) * sizeof *s->kept);
-  s->tape = malloc((s->stride * taped(s->n, s->stages) + 1) * sizeof *s->tape);
+  s->tape = malloc((s->stride * s->each + 1) * sizeof *s->tape);
   hk_carried *Z = malloc((s->wide + 1) * sizeof *Z);
   hk_status status = s->no_memory || !s->kept || !s->tape || !Z ? HK_NO_MEMORY : HK_OK;
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
-  if (status == HK_OK) s->off = off_by(Z, s->loop->state->X, s->n);
+  if (status == HK_OK) s->off = off_by(Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
   free(Z);
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,
@@ -236,6 +237,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->shared);
   free(s->exact);
   hk_implicit_stage_free(s->implicit);
+  hk_projection_close(s);
   free(s->scratch);
   free(s);
 }

@@ -1,5 +1,6 @@
 /* Steps taken again, with their points on the tape. */
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/projection.h"
 
 #include <string.h>
 
@@ -8,6 +9,7 @@ static void put_points(hk_sensitivity *s, double *at) {
     s->point[k].X = at + 9 * s->n * k;
     s->point[k].a = s->point[k].X + 6 * s->n;
   }
+  hk_projection_put(s, at + 9 * s->n * s->stages);
 }
 
 void hk_sensitivity_untape(hk_sensitivity *s) { put_points(s, s->scratch + 15 * s->n); }
@@ -15,7 +17,7 @@ void hk_sensitivity_untape(hk_sensitivity *s) { put_points(s, s->scratch + 15 * 
 void hk_sensitivity_rewind(hk_sensitivity *s, size_t step) {
   const hk_taken_step *taken = &s->step[step];
   const hk_stages_facet *m = hk_sensitivity_method(s, taken);
-  put_points(s, s->tape + (step - s->first) * s->stages * 9 * s->n);
+  put_points(s, s->tape + (step - s->first) * s->each);
   for (size_t k = 0; k < m->count; k++) s->point[k].t = taken->t + m->c[k] * taken->h;
 }
 
@@ -37,6 +39,7 @@ hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_c
   const hk_stages_facet *m = hk_sensitivity_method(s, step);
   double *a[HK_MOST_STAGES];
   size_t v = 3 * s->n;
+  if (s->projection) return hk_projection_step(s, step, Z);
   for (size_t k = 0; k < m->count; k++) {
     hk_stage_point *p = &s->point[k];
     p->t = step->t + m->c[k] * step->h;

@@ -82,6 +82,10 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
                                  size_t controls, double *J, hk_error *error) {
   size_t v = 3 * s->n, size = s->wide, columns = J ? 2 * v + 2 * controls : 0;
   segment w = {.s = s, .by = by, .controls = controls, .columns = columns, .apart = size};
+  if (s->projection)
+    return hk_error_set(error, HK_FAILED,
+                        "positions that constraints hold are not free numbers, as transcription takes them: take --way "
+                        "shooting");
   double *memory = calloc(size + (2 + s->stages) * columns * size + v + 1, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
   double *Z = memory;

@@ -34,8 +34,9 @@ typedef struct hk_stage_point {
 } hk_stage_point;
 
 /* x, v and the acceleration that the next step begins with, n x 3 each, of the state or of a tangent, and for methods
- * of two steps x and v at the begin of the step before; of an adjoint the derivatives by these. hk_sensitivity.wide
- * numbers. */
+ * of two steps x and v at the begin of the step before; of an adjoint the derivatives by these. With constraints the
+ * acceleration of the state is that of the step's end, by them as well, and behind it are the multipliers that v' took.
+ * hk_sensitivity.wide numbers. */
 typedef double hk_carried;
 
 /* A function of time, linear between values at equally spaced knots and constant beyond them. */
@@ -61,6 +62,7 @@ typedef struct hk_varied {
 typedef hk_status hk_adjoint_source(void *context, double t, const double *X, double *L);
 
 typedef struct hk_implicit_stage hk_implicit_stage; /* implicit_stage.h */
+typedef struct hk_projection hk_projection;         /* projection.h */
 
 typedef struct hk_sensitivity {
   hk_loop *loop;
@@ -69,6 +71,7 @@ typedef struct hk_sensitivity {
   size_t n, steps, room;
   size_t stages; /* of a step, at most */
   size_t wide;   /* numbers that are carried from step to step: 9n, or 15n */
+  size_t each;   /* numbers of the tape that a step takes: 9n a stage, and with constraints their own */
   hk_taken_step *step;
   double reached;      /* s, the end of the last step */
   bool no_memory;      /* for the list of steps */
@@ -94,6 +97,7 @@ typedef struct hk_sensitivity {
   void *source_context;
   hk_stage_point point[HK_MOST_STAGES];
   hk_implicit_stage *implicit; /* NULL: the method has no implicit stage */
+  hk_projection *projection;   /* NULL: the scene has no constraints */
   double *scratch;             /* 15n, of products and differences; behind it the points of a step that is not taped */
 } hk_sensitivity;
 
@@ -105,8 +109,8 @@ hk_status hk_sensitivity_open(hk_loop *, hk_sensitivity **made, hk_error *);
 /* Ends the record, and takes the steps again. HK_FAILED: they do not lead to the same end. */
 hk_status hk_sensitivity_finish(hk_sensitivity *, hk_error *);
 void hk_sensitivity_close(hk_sensitivity *);
-/* Bytes that the states take which an adjoint of so many steps of n particles keeps at a time. */
-double hk_sensitivity_bytes(size_t n, size_t steps, size_t stages, size_t wide);
+/* Bytes that the states take which an adjoint of so many steps keeps at a time; `each` and `wide` of a record. */
+double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide);
 
 /* ---- tangent.c, adjoint.c: after `finish` ---- */
 
@@ -172,6 +176,8 @@ hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a)
 
 /* ---- products.c: the derivative of the accelerations at a point ---- */
 
+/* m/s^2 of N, and what pins leave of it; of riders nothing. */
+void hk_sensitivity_divide(const hk_sensitivity *, double *a);
 /* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). */
 hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size_t count, size_t apart,
                                   const double *dX, double *a);

@@ -19,7 +19,11 @@ static inline double from(const hk_stages_facet *m, const hk_carried *Z, size_t 
 hk_status hk_sensitivity_evaluate(hk_dynamics *d, double t, double *X, double *a) {
   double power; /* scenes with channels are refused: the work is all that X has beside x and v */
   size_t v = 3 * d->system.n;
-  return hk_evaluate_accelerations(&d->system, t, X, X + v, NULL, a, &power);
+  hk_constraint_table *constraint = d->system.constraint;
+  if (constraint) constraint->takes_constraints = false;
+  hk_status status = hk_evaluate_accelerations(&d->system, t, X, X + v, NULL, a, &power);
+  if (constraint) constraint->takes_constraints = true;
+  return status;
 }
 
 void hk_sensitivity_stage(const hk_sensitivity *s, const hk_taken_step *step, size_t k, const hk_carried *Z,

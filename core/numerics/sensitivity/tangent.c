@@ -1,5 +1,6 @@
 /* Tangents: the derivative of each step, one after the other, for all parameters at once. */
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,20 @@ typedef struct tangents {
   double *stage;             /* of every parameter: the change of the stage's x and v, unused, */
   double *a[HK_MOST_STAGES]; /* of every parameter, of which the first 3n are the change of the acceleration */
   double *own;               /* 3n, da/dp */
+  hk_projection_slopes *by_constraints;
 } tangents;
+
+/* The changes of the accelerations of stage k at the point that `stage` changes. */
+static hk_status accelerations_of(tangents *w, size_t k) {
+  hk_sensitivity *s = w->s;
+  size_t v = 3 * s->n;
+  hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->a[k]);
+  for (size_t j = 0; j < w->count && status == HK_OK; j++) {
+    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
+    for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
+  }
+  return status;
+}
 
 static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
   hk_sensitivity *s = w->s;
@@ -24,20 +38,38 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
     hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
   }
   if (!hk_sensitivity_evaluates(s, step, k)) return HK_OK;
-  hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->a[k]);
-  for (size_t j = 0; j < w->count && status == HK_OK; j++) {
-    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
-    for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
-  }
+  hk_status status = accelerations_of(w, k);
   if (status != HK_OK || !hk_implicit_stage_is(hk_sensitivity_method(s, step), k)) return status;
   status = hk_implicit_stage_linearise(s, step, k, false);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
   return status;
 }
 
+/* A step with constraints. */
+static hk_status projected(tangents *w, const hk_taken_step *step) {
+  hk_sensitivity *s = w->s;
+  size_t v = 3 * s->n, last = s->method->count - 1;
+  hk_status status = HK_OK;
+  if (hk_sensitivity_evaluates(s, step, 0))
+    status = stage_of(w, step, 0);
+  else
+    for (size_t j = 0; j < w->count; j++)
+      memcpy(w->a[0] + j * w->apart, w->dZ + j * w->apart + 2 * v, v * sizeof *w->dZ);
+  if (status == HK_OK)
+    status = hk_projection_drift(s, step, w->count, w->apart, w->a[0], w->by_constraints, w->dZ, w->stage);
+  if (status == HK_OK && last > 0) status = accelerations_of(w, last);
+  for (size_t j = 0; j < w->count && status == HK_OK && last > 0; j++) {
+    double *a = w->a[last] + j * w->apart, *dZ = w->dZ + j * w->apart;
+    for (size_t e = 0; e < v; e++) dZ[v + e] += step->h * s->method->v_end[last] * a[e];
+    memcpy(dZ + 2 * v, a, v * sizeof *a);
+  }
+  return status == HK_OK ? hk_projection_settle(s, step, w->count, w->apart, w->by_constraints, w->dZ) : status;
+}
+
 static hk_status step_of(tangents *w, const hk_taken_step *step) {
   hk_sensitivity *s = w->s;
   hk_status status = hk_sensitivity_step(s, step, w->Z);
+  if (s->projection) return status == HK_OK ? projected(w, step) : status;
   for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK; k++) status = stage_of(w, step, k);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double *a[HK_MOST_STAGES];
@@ -72,7 +104,9 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t
   for (size_t k = 0; k < s->stages; k++) w.a[k] = w.stage + (k + 1) * all;
   w.own = w.stage + (s->stages + 1) * all;
   hk_sensitivity_untape(s);
-  hk_status status = all_steps(&w, watch, context);
+  hk_status status = s->projection ? hk_projection_vary(s, by, count, &w.by_constraints, error) : HK_OK;
+  if (status == HK_OK) status = all_steps(&w, watch, context);
+  free(w.by_constraints);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;

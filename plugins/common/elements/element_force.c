@@ -124,6 +124,14 @@ static void matrices(const hk_element_force *f, const double *x, size_t k, unsig
                      double *K, double *D) {
   unsigned m = 3 * f->acting.node.arity;
   const double *g = e->g[q];
+  if (!f->hessian) { /* C is linear */
+    for (unsigned r = 0; r < m; r++)
+      for (unsigned s = 0; s < m && g[r] != 0; s++) {
+        K[m * r + s] += e->k * g[r] * g[s];
+        D[m * r + s] += e->c * g[r] * g[s];
+      }
+    return;
+  }
   double H[MOST * MOST] = {0}, Hv[MOST], z = e->k * e->C[q] + e->c * dot(g, e->v, m);
   bool turns = e->c != 0 && !(want & (HK_WANT_SYMMETRIC | HK_WANT_DEFINITE));
   if (!(want & HK_WANT_DEFINITE)) f->hessian(f->acting.self, x, k, q, H);
@@ -135,26 +143,37 @@ static void matrices(const hk_element_force *f, const double *x, size_t k, unsig
     }
 }
 
+static void add_block(const double *from, unsigned apart, double *to) {
+  for (unsigned r = 0; r < 3; r++)
+    for (unsigned s = 0; s < 3; s++) to[3 * r + s] += from[apart * r + s];
+}
+
 void hk_element_force_jacobian(const hk_element_force *f, const hk_view *view, const hk_blocks *into, size_t *next) {
   unsigned arity = f->acting.node.arity, m = 3 * arity;
-  for (size_t k = 0; k < f->acting.node.count; k++) {
+  for (size_t k = 0; k < f->acting.node.count; k++, *next += arity * arity) {
     double K[MOST * MOST] = {0}, D[MOST * MOST] = {0};
+    const size_t *slot = into->slot + *next;
     element e = evaluate(f, view, k);
     for (unsigned q = 0; q < f->acting.values; q++) matrices(f, view->x, k, q, &e, into->want, K, D);
-    for (unsigned r = 0; r < m; r++)
-      for (unsigned s = 0; s < m; s++) {
-        size_t at = 9 * into->slot[*next + arity * (r / 3) + s / 3] + 3 * (r % 3) + s % 3;
-        into->K[at] += K[m * r + s];
-        into->D[at] += D[m * r + s];
+    for (unsigned a = 0; a < arity; a++)
+      for (unsigned b = 0; b < arity; b++) {
+        add_block(K + 3 * m * a + 3 * b, m, into->K + 9 * slot[arity * a + b]);
+        if (e.c != 0) add_block(D + 3 * m * a + 3 * b, m, into->D + 9 * slot[arity * a + b]);
       }
-    *next += arity * arity;
   }
 }
 
 static void add_hessian_part(const hk_element_force *f, const double *x, size_t k, unsigned q, const double *direction,
                              double *by_x) {
   unsigned m = 3 * f->acting.node.arity;
-  double H[MOST * MOST] = {0};
+  double H[MOST * MOST], product[MOST];
+  if (!f->hessian) return;
+  if (f->hessian_product) {
+    f->hessian_product(f->acting.self, x, k, q, direction, product);
+    for (unsigned r = 0; r < m; r++) by_x[r] -= product[r];
+    return;
+  }
+  memset(H, 0, sizeof H);
   f->hessian(f->acting.self, x, k, q, H);
   for (unsigned r = 0; r < m; r++) by_x[r] -= dot(H + m * r, direction, m);
 }

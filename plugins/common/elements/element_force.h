@@ -9,7 +9,9 @@
 typedef struct hk_element_force {
   hk_elements acting; /* tuples whose members are all active; the result of hk_force.elements */
   /* H = d^2 C/dx^2 of the e-th number C of tuple k: (3 arity) x (3 arity), row-major. */
-  void (*hessian)(const void *self, const double *x, size_t k, unsigned e, double *H);
+  void (*hessian)(const void *self, const double *x, size_t k, unsigned e, double *H); /* NULL: C is linear in x */
+  /* H u; NULL: by `hessian` */
+  void (*hessian_product)(const void *self, const double *x, size_t k, unsigned e, const double *u, double *Hu);
 } hk_element_force;
 
 /* To be called in `create` and `topology`. Where *rest was not given it is filled with the values of `evaluate` at the

@@ -92,11 +92,16 @@ function derivative.advance(scene, to)
   return run
 end
 
--- The derivative by whole runs: what the steps' own has to agree with, unless there is a kink between.
+-- Of a measure at the end of a run, relative.
+local rounding = 64 * 2 ^ -52
+
+-- The derivative by whole runs: what the steps' own has to agree with, unless there is a kink between; and the part of
+-- rounding in it.
 local function by_runs(case, both)
   local more, less = derivative.advance(both.more, case.at), derivative.advance(both.less, case.at)
   local a, b = more and more:measures()[case.of], less and less:measures()[case.of]
-  return a and b and (a - b) / (2 * both.by) or nil
+  if not (a and b) then return nil end
+  return (a - b) / (2 * both.by), rounding * math.max(math.abs(a), math.abs(b)) / both.by
 end
 
 -- Fills the result with the derivatives: rows of the time forwards, the last one alone backwards.
@@ -113,6 +118,17 @@ local function differentiate(case, record, result)
   return true
 end
 
+-- A run that explodes gains about its largest kinetic energy without a source; beyond a half it is no motion of the scene.
+local most_growth = 0.5
+
+-- Why the run's derivative would say nothing, or nil.
+local function grown(summary)
+  local growth = summary.energy and summary.energy.drift
+  if not growth or growth ~= growth or growth <= most_growth then return nil end
+  return (("the run explodes: its energy grew by %.3g of the largest kinetic energy without a source, and its derivative says "
+    .. "nothing of the scene: take a shorter step (--dt below %.3g)"):format(growth, summary.dt_max))
+end
+
 local function execute(case)
   local sensitivity = require("sensitivity")
   local scene, run = derivative.open(case, 0, 0)
@@ -124,15 +140,22 @@ local function execute(case)
   if not both then return { failed = why } end
   run, why = derivative.advance(scene, case.at)
   if not run then return { failed = why } end
+  local summary = run:summary()
+  why = grown(summary)
+  if why then return { failed = why } end
   local fine
   fine, why = record:finish()
   if not fine then return { failed = why } end
-  local result = { value = run:measures()[case.of], dt = run:summary().dt_max, runs = {} }
+  local result = { value = run:measures()[case.of], dt = summary.dt_max, runs = {}, noise = {},
+    inaccurate = summary.verdict == "inaccurate" and summary.reason or nil }
   if not result.value then return { failed = ("the measure '%s' is not finite at t = %g s"):format(case.of, case.at) } end
   fine, why = differentiate(case, record, result)
   if not fine then return { failed = why } end
   result.steps, result.particles, result.inexact, result.bytes = record:about()
-  for j, pair in ipairs(case.compare and both or {}) do result.runs[j] = by_runs(case, pair) or 0 / 0 end
+  for j, pair in ipairs(case.compare and both or {}) do
+    local slope, noise = by_runs(case, pair)
+    result.runs[j], result.noise[j] = slope or 0 / 0, noise or 0
+  end
   return result
 end
 

@@ -15,16 +15,16 @@ local function short(x) return x and x == x and ("%.2g"):format(x) or "not known
 
 -- Sentences on what is not as it should be.
 function report.doubts(o, found)
-  local list = {}
+  local list = { found.inaccurate and "the run itself is inaccurate: " .. found.inaccurate }
   for j, p in ipairs(o.parameters) do
-    local slope, runs = found.slopes[j], found.runs[j]
+    local slope, runs, least = found.slopes[j], found.runs[j], 10 * found.rounding[j] + found.noise[j]
     if runs ~= runs then
       list[#list + 1] = ("%s: a run beside does not reach the end"):format(p.name)
-    elseif math.abs(runs - slope) > kink * math.max(math.abs(slope), math.abs(runs)) + 10 * found.rounding[j] then
+    elseif math.abs(runs - slope) > kink * math.max(math.abs(slope), math.abs(runs)) + least then
       list[#list + 1] = (("%s: whole runs beside give %.6g: a kink (a rope that goes slack, a contact), an event or motion "
         .. "without order lies between; the derivative holds on this side alone"):format(p.name, runs))
     end
-    if found.by_steps[j] and found.by_steps[j] > 0.1 * math.abs(slope) and found.by_steps[j] > 10 * found.rounding[j] then
+    if found.by_steps[j] and found.by_steps[j] > 0.1 * math.abs(slope) and found.by_steps[j] > least then
       list[#list + 1] = ("%s: half the step changes it by a tenth or more: --dt below %.3g"):format(p.name, found.dt)
     end
   end
