@@ -8,6 +8,10 @@ view.drive = (() => {
   const STRENGTHS = [["0.1", "soft"], ["1", "firm"], ["10", "strong"], ["100", "very strong"]];
   const STEPS = 1000;
 
+  const ACTS = "A value that is changed here acts from the run's next frame on, and its summary says so. Where only a start can have it (how "
+    + "many particles there are, their masses), another run begins; where they are at the start is only seen after a restart.";
+  const RESTARTS = "A value that is changed here begins another run from its start. Pace and hand act on this one.";
+
   const exact = (p, v) => p.type === "integer" ? Math.round(v) : Number(v.toPrecision(4));
 
   // A slider's place from 0 to STEPS and its value; over three powers of ten or more it is logarithmic.
@@ -64,9 +68,7 @@ view.drive = (() => {
         ask("pace", { pace: Number(v) });
       });
       this.values = el("div", { class: "values" });
-      this.restarts = el("p", { class: "restarts", hidden: true },
-        "A value that is changed here acts from the run's next frame on, and its summary says so. Where only a start can have it (how many "
-        + "particles there are, their masses), another run begins; where they are at the start is only seen after a restart.");
+      this.restarts = el("p", { class: "restarts", hidden: true });
       this.notice = el("p", { class: "notice", role: "status", hidden: true });
       node.append(this.said, this.notice, el("div", { class: "drive-buttons" }, this.start, this.pause, this.step, this.stop), this.values, this.restarts,
         el("div", { class: "drive-buttons" }, this.paces, select("Hand", "how strongly it pulls", STRENGTHS, this.strong,
@@ -100,6 +102,7 @@ view.drive = (() => {
       this.start.hidden = !!state.waiting && running;
       this.notice.textContent = state.notice || "";
       this.notice.hidden = !state.notice;
+      this.restarts.textContent = state.restarts ? RESTARTS : ACTS;
       this.restarts.hidden = !this.widgets.length || this.start.hidden;
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";
