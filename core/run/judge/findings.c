@@ -243,8 +243,9 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, hk_summary 
   else if (loop->record->by_hand)
     checked(s, ", ", "moved by hand (work %.3g J), which no other run repeats: compared with none", s->hand_work);
   if (loop->record->contact_frames) checked(s, ", ", "no surfaces intersect at any frame");
-  if (loop->record->contact_frames && isfinite(loop->record->contact.closest))
-    checked(s, ", ", "the nearest at a gap of %.3g m", loop->record->contact.closest);
+  double gap = loop->record->contact.closest;
+  if (loop->record->contact_frames && isfinite(gap))
+    checked(s, ", ", "the nearest %s %.3g m", gap < 0 ? "within their thickness by" : "at a gap of", fabs(gap));
   bool known = hk_confirmed(c) || (c->tried && !isnan(c->error));
   if (!(s->accuracy > 0) && !known && !loop->record->by_hand)
     checked(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
