@@ -177,7 +177,7 @@ static hk_status take_changes(hk_run *run, const char *said) {
   if (status != HK_OK) return status;
   double now = hk_state_kinetic(s, s->X) + hk_query_potential(&run->dynamics, s->t, s->X);
   double gained = now - f->kinetic - f->potential;
-  char energy[64] = "";
+  char energy[64] = "", pins[96] = "";
   if (at_frame && hk_query_has_energy(&run->dynamics)) {
     s->X[s->size - 1] += gained;
     snprintf(energy, sizeof energy, ", and the energy changes by %.4g J", gained);
@@ -185,8 +185,10 @@ static hk_status take_changes(hk_run *run, const char *said) {
     r->corrected = true;
   r->by_hand = true;
   hk_step_reset(&run->loop, HK_STATE_CHANGED);
-  hk_warn(&run->warnings, "from t = %.6g s on %s: positions, velocities and masses stay as they are%s", s->t, said,
-          energy);
+  if (run->pins_jump > 1e-9 * hk_state_extent(s))
+    snprintf(pins, sizeof pins, " but for pins, which jump by %.3g m to where they are by it", run->pins_jump);
+  hk_warn(&run->warnings, "from t = %.6g s on %s: positions, velocities and masses stay as they are%s%s", s->t, said,
+          pins, energy);
   return HK_OK;
 }
 

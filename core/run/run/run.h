@@ -94,6 +94,7 @@ typedef struct hk_run {
   hk_interruption interruption;
   sig_atomic_t interruptions; /* before the outputs began to be closed */
   bool resumed;               /* the run was continued from a checkpoint */
+  double pins_jump;           /* m, by which pins were elsewhere there than they are by the scene as it is now */
   bool closed;
 } hk_run;
 

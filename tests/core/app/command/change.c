@@ -126,6 +126,25 @@ static void what_a_run_under_way_cannot_have_is_refused(void **state) {
   if (r.code != 1 || !strstr(r.err, "give its checkpoint as well, --resume FILE")) fail_msg("%d: %s", r.code, r.err);
 }
 
+/* A pin that is moved by a parameter is elsewhere by its new value, at once. */
+static void pins_that_jump_are_told(void **state) {
+  (void)state;
+  static test_result r;
+  test_write("pin.lua", "local way = param('way', 1, 'm')\n"
+                        "local scene = hooke.scene { duration = 1, fps = 50 }\n"
+                        "scene:particle { position = {0, 0, 0} }\n"
+                        "scene:particle { position = {1, 0, 0} }\n"
+                        "scene:pin({ 1 }, { path = function(t) return 0, way * t, 0 end })\n"
+                        "scene:force('springs', { edges = { {1, 2} }, k = 100 })\n"
+                        "scene:output('checkpoint', { every = 25 })\n"
+                        "return scene\n");
+  test_hooke(&r, NULL, "run pin.lua --until 0.5 --quiet --out pinned");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run pin.lua --resume pinned/newest.checkpoint --until 1 --change way=3 --out moved");
+  if (r.code != 0 || !strstr(r.err, "stay as they are but for pins, which jump by 1 m to where they are by it"))
+    fail_msg("code %d: %s", r.code, r.err);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_goes_on_from_the_present_state_by_the_other_law),
@@ -133,6 +152,7 @@ int main(void) {
       cmocka_unit_test(a_run_that_goes_on_twice_has_both_changes),
       cmocka_unit_test(no_accuracy_is_claimed),
       cmocka_unit_test(what_a_run_under_way_cannot_have_is_refused),
+      cmocka_unit_test(pins_that_jump_are_told),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
