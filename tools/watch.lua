@@ -124,7 +124,8 @@ function session:finish()
   local refused = self.code == 1 or self.code == 2 or self.code == 4
   if self.going_on and refused and not self.leaving then -- its first frame has not come
     local why = self.child:complaint() or "it ended without a word"
-    self.notice = "another run has begun from its start, as this one cannot go on: " .. why:gsub("^.- cannot be gone on from: ", "")
+    self.notice = "another run has begun from its start, as this one cannot go on: "
+      .. why:gsub("^.- cannot be gone on from: ", ""):gsub("^%S+%.checkpoint ", "its checkpoint ")
     self.child = nil
     return self:begin()
   end
