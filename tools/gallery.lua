@@ -194,7 +194,11 @@ end
 local o = command_line.parse("gallery", parser_of())
 if not o then return 1 end
 local list = o.list or hooke.library:gsub("/lib$", "") .. "/gallery.lua"
-local plan, why = read_list(list)
+local open, why = io.open(list)
+if not open then return fail(("cannot read the list of scenes %s; scripts/gallery.lua is one"):format(why), 4) end
+open:close()
+local plan
+plan, why = read_list(list)
 if not plan then
   return fail(("%s is no list of scenes: %s; scripts/gallery.lua is one, and a scene is run by hooke run or hooke view"):format(
     list, why))

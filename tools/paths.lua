@@ -190,6 +190,15 @@ local function say(o, results)
   return drawn
 end
 
+-- The reason why no method gave a path, where all have the same.
+local function common_reason(results)
+  local why = results[1].failed
+  for _, r in ipairs(results) do
+    if r.failed ~= why then return nil end
+  end
+  return why
+end
+
 -- The first particle that is at no time in any run.
 local function never_there(o, results)
   local seen = {}
@@ -209,6 +218,8 @@ local function main()
   local made, refused = files.make_folder(o.out)
   if not made then return complain("%s", refused) and 4 end
   local results = run_all(o)
+  local reason = common_reason(results)
+  if reason then return complain("%s", reason) end
   if say(o, results) == 0 then return complain("no method gave a path: the lines above say why") end
   local missing = never_there(o, results)
   if missing then return complain("--of: there is no particle with the id %d at any frame", missing) end

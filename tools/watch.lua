@@ -3,7 +3,8 @@
 -- This process serves the page (tools/native/server.c) and never runs the scene. The run is `hooke run` itself, in a
 -- process of its own with all of its options and limits, so that verdict, files and exit code are the usual ones. It
 -- tells what happens through a pipe that is always emptied here (plugins/outputs/live.c), and never waits for a page;
--- pages ask for what they want to show. A value that a page changes means another run from the start.
+-- pages ask for what they want to show. For a value that a page changes the run is kept in a checkpoint at its next frame
+-- and ends there, and another process goes on from it with that value (hooke run --resume FILE --change NAME=VALUE).
 local fine, server = pcall(require, "server")
 local process = require("process")
 local cjson = require("cjson.safe")
@@ -61,7 +62,7 @@ function session:publish(always)
     frames = known.frames,
     stride = known.stride, latest = known.latest,
     pace = self.pace, error = self.error, values = self.values,
-    summary = self.summary and json_text.raw(self.summary), parameters = self.declared_list }))
+    notice = self.notice, summary = self.summary and json_text.raw(self.summary), parameters = self.declared_list }))
 end
 
 function session:begin()
@@ -73,17 +74,85 @@ function session:begin()
   self.child:command(("pace %.9g"):format(self.pace))
   if self.waiting then self.child:command("pause") end -- at the first frame
   self.doing, self.error, self.summary, self.wanted, self.deadline = "running", nil, nil, nil, nil
+  self.changed, self.kept_at, self.going_on = nil, nil, nil
   self:publish(true)
+end
+
+-- The values that were asked for hold from the checkpoint on.
+function session:go_on()
+  local changed, path, paused = self.changed, self.kept_at, self.doing == "paused"
+  for name, value in pairs(changed) do self.values[name] = value end
+  self.history:go_on()
+  local arguments = command_line.going_on(self.arguments, self.values, changed, path)
+  io.stderr:write("hooke: the same again: hooke run ", hooke.plain(command_line.text(arguments)), " --with output:live\n")
+  self.child = child.start(arguments, self.forces, self.history:origin())
+  self.child:command(("pace %.9g"):format(self.pace))
+  if paused then self.child:command("pause") end
+  self.doing, self.deadline, self.changed, self.kept_at, self.going_on = "running", nil, nil, nil, true
+  self.notice = nil
+  self:publish(true)
+end
+
+-- What a run that goes on tells first is what the page has; where it is not (other measures, other obstacles), the page
+-- shows what comes as another run.
+function session:hear(letter, body)
+  if letter == "K" then
+    if self.changed then
+      self.kept_at = body
+      self:stop()
+    end
+    return
+  end
+  if self.going_on and (letter == "R" or letter == "S") then
+    if self.history:has(letter, body) then return end
+    local run = self.history.told.R
+    self.before, self.number = self.history, self.number + 1
+    self.history = history.new(self.server, self.number, self.title)
+    self.going_on = nil
+    if letter == "S" then self.history:hear("R", run) end
+  elseif letter == "F" or letter == "N" then
+    self.going_on = nil
+  end
+  self.history:hear(letter, body)
+  if letter == "D" then self.doing = messages.stopped(body) and "paused" or "running" end
+  self.dirty = true
 end
 
 function session:finish()
   self.code = self.child:finish()
+  if self.kept_at then return self:go_on() end
+  local refused = self.code == 1 or self.code == 2 or self.code == 4
+  if self.going_on and refused and not self.leaving then -- its first frame has not come
+    local why = self.child:complaint() or "it ended without a word"
+    self.notice = "another run has begun from its start, as this one cannot go on: "
+      .. why:gsub("^.- cannot be gone on from: ", ""):gsub("^%S+%.checkpoint ", "its checkpoint ")
+    self.child = nil
+    return self:begin()
+  end
+  local unheeded = self.changed
   local summary = cjson.decode(self.child.summary) and self.child.summary
   self.summary, self.error = summary, not summary and (self.child:complaint() or "the run ended without a word") or nil
   if self.code ~= 0 and self.code ~= 5 and self.code ~= 130 then self.error = self.child:complaint() or self.error end
   self.child, self.doing = nil, "ended"
   self:publish(true)
-  if self.wanted then self:begin() end
+  for name, value in pairs(unheeded or {}) do self.values[name] = value end
+  if self.wanted or unheeded then self:begin() end -- it had come to its end before it could be kept
+end
+
+function session:change(values)
+  if not next(values) then return end
+  local asked, under_way = self.changed, self.child and not self.waiting and not self.deadline
+  if not asked and not (under_way and self.history.frames > 1) then return self:obey_start(values) end
+  self.changed, self.notice = asked or {}, nil
+  for name, value in pairs(values) do self.changed[name] = value end
+  if not asked then self.child:command("keep") end
+end
+
+function session:obey_start(values)
+  for name, value in pairs(values) do self.values[name] = value end
+  if not next(values) then self.waiting = false end -- a value alone lets it wait, with that value
+  self.wanted, self.notice, self.changed, self.kept_at = true, nil, nil, nil
+  if self.child then self:stop() else self:begin() end
 end
 
 -- Asks the run for its end, and sees to it.
@@ -97,11 +166,11 @@ function session:obey(text)
   local asked = commands.read(text, self.declared)
   if not asked then return end
   if asked.name == "start" then
-    for name, value in pairs(asked.values) do self.values[name] = value end
-    if not next(asked.values) then self.waiting = false end -- a value alone lets it wait, with that value
-    self.wanted = true
-    if self.child then self:stop() else self:begin() end
+    self:obey_start(asked.values)
+  elseif asked.name == "change" then
+    self:change(asked.values)
   elseif asked.name == "stop" then
+    self.changed, self.kept_at = nil, nil
     self:stop()
   else
     if asked.name == "go" or asked.name == "step" then self.waiting = false end
@@ -121,16 +190,12 @@ end
 function session:turn()
   local ready = self:wait()
   if self.child then
-    self.child:read(ready, function(letter, body)
-      self.history:hear(letter, body)
-      if letter == "D" then self.doing = messages.stopped(body) and "paused" or "running" end
-      self.dirty = true
-    end)
+    self.child:read(ready, function(letter, body) self:hear(letter, body) end)
     if self.child:ended() then self:finish() end
   end
   if ready[self.signals] then
     process.read(self.signals)
-    self.leaving, self.wanted = true, nil
+    self.leaving, self.wanted, self.changed, self.kept_at = true, nil, nil, nil
     self:stop()
   end
   for text in function() return self.server:take() end do

@@ -9,6 +9,7 @@
  * In come lines, read at frames:
  *     pause | go | step          stop at the next frame; go on; go on for one frame
  *     pace X                     at most X s of the run in a second of the clock; 0: as fast as it can
+ *     keep                       write a checkpoint at the next frame, and end there: another run goes on from it
  *     hold ID X Y Z STRENGTH     the user's hand holds a particle and draws it there (m); release: it lets go
  * A pipe that is closed at its other end is no failure: the run goes on alone. */
 #include "plugins/common/frame_data/gatherer.h"
@@ -16,16 +17,19 @@
 #include "plugins/common/live/commands.h"
 #include "plugins/common/live/messages.h"
 
+#include <limits.h>
 #include <sys/stat.h>
 #include <time.h>
 
 typedef struct live {
   int64_t messages_fd, commands_fd;
   bool forces;
+  double origin[3]; /* m, of positions in messages; NAN: the middle of the start */
 
   const hk_host *host;
   const hk_hand *hand;
   const hk_interruption *interruption;
+  const hk_checkpoints *checkpoints;
   hk_gatherer gatherer;
   hk_live_messages out;
   hk_live_commands in;
@@ -42,6 +46,10 @@ static const hk_param params[] = {
      .integer = HK_AT(live, commands_fd), .limits = HK_WITHIN(0, 1 << 20)},
     {"forces", "", "whether frames have each force by itself, tension and stress: evaluations more per frame",
      .boolean = HK_AT(live, forces)},
+    {"x", "m", "origin of the positions in messages; left out: the middle of the start",
+     .number = HK_AT(live, origin[0]), .flags = HK_OPTIONAL},
+    {"y", "m", "see x", .number = HK_AT(live, origin[1]), .flags = HK_OPTIONAL},
+    {"z", "m", "see x", .number = HK_AT(live, origin[2]), .flags = HK_OPTIONAL},
     {0},
 };
 
@@ -56,6 +64,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   l->host = host;
   l->hand = host->query(host, HK_HAND_INTERFACE);
   l->interruption = host->query(host, "interruption/1");
+  l->checkpoints = host->query(host, "checkpoint/1");
+  if (!l->checkpoints) return host->fail(host, HK_FAILED, "this hooke has no checkpoints for outputs");
   return l->hand ? hk_gatherer_choose(&l->gatherer, host, view->model, NULL) : HK_FAILED;
 }
 
@@ -88,7 +98,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (!is_pipe(l->messages_fd) || !is_pipe(l->commands_fd))
     return l->host->fail(l->host, HK_BAD_PARAM, "messages, commands: not a pipe: hooke run --watch opens them");
   if (l->messages_fd == 0) return HK_OK;
-  if (!hk_live_open(&l->out, (int)l->messages_fd))
+  if (!hk_live_open(&l->out, (int)l->messages_fd, l->origin))
     return l->host->fail(l->host, HK_NO_MEMORY, "no memory, or no thread, for the messages");
   hk_status status = hk_gatherer_open(&l->gatherer, view, frame, &(hk_tuples){0}, l->forces);
   if (status == HK_OK) hk_live_send_run(&l->out, &l->gatherer.data, frame);
@@ -131,7 +141,8 @@ static hk_status wait_for_user(live *l, const hk_view *view, const hk_frame *fra
   double t = view->t;
   hk_status status = HK_OK;
   hk_live_read(&l->in, 0);
-  for (double left; !l->in.closed && !interrupted(l) && ((left = ahead(l, t)) > 0 || hk_live_stopped(&l->in));) {
+  for (double left;
+       !l->in.closed && !l->in.keep && !interrupted(l) && ((left = ahead(l, t)) > 0 || hk_live_stopped(&l->in));) {
     bool stopped = hk_live_stopped(&l->in);
     if (stopped) status = tell_doing(l, view, frame, true);
     if (status != HK_OK) return status;
@@ -142,10 +153,26 @@ static hk_status wait_for_user(live *l, const hk_view *view, const hk_frame *fra
   return l->in.paused ? HK_OK : tell_doing(l, view, frame, false);
 }
 
+/* The checkpoint is written once the frame is done with, and the reader, who knows its path by then, ends the run.
+ * Frame 0 is none to go on from: the run begins with it. */
+static hk_status keep(live *l, const hk_frame *frame) {
+  static const double look = 0.1; /* s */
+  char path[PATH_MAX];
+  if (!l->in.keep || frame->index == 0) return HK_OK;
+  l->in.keep = false;
+  hk_status status = l->host->path(l->host, "changed.checkpoint", path, sizeof path);
+  if (status == HK_OK) status = l->checkpoints->ask(l->checkpoints->self, path);
+  if (status != HK_OK) return status;
+  hk_live_send_kept(&l->out, path);
+  while (!l->in.closed && !interrupted(l)) hk_live_read(&l->in, look);
+  return HK_OK;
+}
+
 static hk_status frame(void *self, const hk_view *view, const hk_frame *frame) {
   live *l = self;
   hk_status status = l->out.queue.open ? tell_frame(l, view, frame) : HK_OK;
   if (status == HK_OK) status = wait_for_user(l, view, frame);
+  if (status == HK_OK) status = keep(l, frame);
   if (status == HK_OK) l->hand->move(l->hand->self, view, 1 / frame->fps, l->in.held, l->in.place, l->in.strength);
   return status;
 }

@@ -1,6 +1,6 @@
 -- liquids.lua: grid or particles? The same water on the same particles by the corrector `liquid` on a grid, by `incompressible` and
--- by `sph`, in four problems with known answers (scripts/scenes/liquid_methods.lua). liquids-cost.png has a line for each method and
--- problem: what it costs, the seconds of the time loop (the least of two), and how far off it is.
+-- by `sph`, in four problems with known answers (scripts/scenes/liquid_methods.lua). liquids-cost.png has a panel for each problem
+-- and in it a line for each method: what it costs, the seconds of the time loop (the least of two), and how far off it is.
 return hooke.sweep {
   scene = "../scenes/liquid_methods.lua",
   params = { method = { "grid", "incompressible", "sph" }, problem = { "wave", "vortex", "plates", "dam" }, n = { 12, 16, 24, 32 } },
@@ -12,7 +12,7 @@ return hooke.sweep {
   plots = {
     {
       name = "cost", title = "Liquids by a grid and by particles", measure = "error", over = "step_wall_s", along = "n",
-      repeats = "least", xlabel = "time of the loop (s)", ylabel = "error, by the known answer",
+      panels = { "problem" }, repeats = "least", xlabel = "time of the loop (s)", ylabel = "relative error",
       logx = true, logy = true,
     },
   },

@@ -89,6 +89,8 @@ text = script { title = "many", curves = curves }
 for k = 1, 12 do assert((text:find("title 'curve " .. k .. "'", 1, true) ~= nil) == (k <= 7 or k == 11), text) end
 assert(select(2, text:gsub(" ls 99 ", "")) == 4 and text:find("ls 99 title '4 others'", 1, true), text)
 assert(text:find("'4 others'", 1, true) < text:find("'curve 1'", 1, true), text)
+assert(select(2, text:gsub("with linespoints ls 99 ", "")) == 4, text) -- of which one may be a single point
+for style = 1, 8 do assert(text:find((" ls %d title 'curve "):format(style), 1, true), text) end -- each of the eight colours once
 
 -- ---- panels of validate: every error inside, also where they span less than a decade, and two ticks at least ----
 

@@ -348,6 +348,71 @@ function tests.the_hand_draws_a_particle_and_its_work_is_told()
   end)
 end
 
+-- Another run, some frames of which are there: the first has come to its end at once.
+local function under_way(w)
+  w:ask { ["do"] = "pace", pace = 1 }
+  w:ask { ["do"] = "start", values = {} }
+  w:wait(function(s) return s.run == 2 and s.frames > 10 end)
+end
+
+-- The chain weighs nothing from some frame on: the run goes on from there, under its own number and with all its frames.
+function tests.a_value_changes_while_the_run_goes_on()
+  with("--no-output", function(w)
+    under_way(w)
+    w:ask { ["do"] = "change", values = { g = 0 } }
+    local state = w:wait(function(s) return s.values.g end, "the value")
+    equal(state.run, 2, "run")
+    w:ask { ["do"] = "pace", pace = 0 }
+    state = ended(w)
+    equal(state.run, 2, "run")
+    equal(state.frames, 121, "frames of 2 s at 60 a second") -- none is missing, none is told twice
+    equal(state.latest, 120, "the last frame")
+    local s = state.summary
+    equal(s.verdict, "ok", s.reason)
+    assert(s.checked:find("its parameters were changed while it ran", 1, true), s.checked)
+    local warned = table.concat(s.warnings, "\n")
+    assert(warned:find("the parameter g was 9.81 and is 0: positions, velocities and masses stay as they are", 1, true), warned)
+    assert(math.abs(s.energy.drift) < 1e-3, "drift " .. s.energy.drift) -- what the change gives is work
+    local numbers, before = w:get("numbers/2/0"), -1
+    for k = 0, 120 do
+      local t = string.unpack("<d", numbers, k * (#numbers // 121) + 1)
+      assert(math.abs(t - k / 60) < 1e-12 and t > before, ("frame %d is of t = %g s"):format(k, t))
+      before = t
+    end
+    equal(w:interrupt(), 0, "exit code")
+  end)
+end
+
+-- The same run by two commands, from the checkpoint that the page's change has left.
+function tests.a_change_can_be_repeated()
+  with("--out out --state first.csv", function(w)
+    under_way(w)
+    w:ask { ["do"] = "pause" }
+    w:wait(function(s) return s.doing == "paused" end)
+    w:ask { ["do"] = "change", values = { g = 20 } }
+    w:wait(function(s) return s.values.g and s.doing == "paused" end, "the value")
+    w:ask { ["do"] = "pace", pace = 0 }
+    w:ask { ["do"] = "go" }
+    equal(ended(w).summary.verdict, "ok", "verdict")
+    assert(w:said():find("the same again: hooke run chain.lua .*changed.checkpoint %-%-change g=20 %-%-with output:live"), w:said())
+    assert(os.execute(("cd '%s' && '%s/hooke' run chain.lua --resume out/changed.checkpoint --change g=20 --out again --quiet "
+      .. "--with output:live --state second.csv 2>said.txt && cmp first.csv second.csv"):format(w.folder, build)))
+  end)
+end
+
+function tests.what_only_a_start_can_have_begins_another_run()
+  with("--no-output", function(w)
+    under_way(w)
+    w:ask { ["do"] = "change", values = { n = 20 } }
+    local state = w:wait(function(s) return s.notice end, "a notice")
+    assert(state.notice:find("there are 20 particles in place of 12", 1, true), state.notice)
+    equal(state.run, 3, "run")
+    equal(state.values.n, "20", "n")
+    w:ask { ["do"] = "pace", pace = 0 }
+    equal(ended(w).summary.verdict, "ok", "verdict")
+  end)
+end
+
 function tests.an_accuracy_cannot_be_claimed_after_the_hand()
   with("--no-output --accuracy 1e-3", function(w)
     w:ask { ["do"] = "pace", pace = 1 }

@@ -146,15 +146,33 @@ function tests.forces_are_shown_as_arrows_and_colours()
   choose("Colour", "")
 end
 
-function tests.a_slider_begins_another_run_with_its_value()
+local function slide(name, where)
+  b:eval(([[(() => { const s = document.querySelector('.value input[type=range][aria-label="%s"]'); s.value = %d;
+    s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()]]):format(name, where))
+end
+
+-- The stiffness of 10 to 1e5 N/m, in the middle of a logarithmic slider 1,000.
+function tests.a_slider_acts_on_the_run_under_way()
+  local before = w:state()
+  slide("k", 500)
+  local state = w:wait(function(s) return s.values.k and s.frames > before.frames + 20 end)
+  equal(state.run, before.run, "run")
+  equal(tonumber(state.values.k), 1000.0, "k")
+  b:wait(("view.page.layers[0].frame.k > %d && view.page.layers[0].source.number === %d"):format(before.frames + 10, before.run))
+  equal(b:eval("view.page.layers[0].source.times[0]"), 0, "the first time that plots have")
+  silent("a slider that acts")
+end
+
+-- The cloth of N x N: only a start can have other particles, and the page says why another run begins.
+function tests.a_slider_begins_another_run_where_only_a_start_can_have_its_value()
   local run = w:state().run
-  b:eval("(() => { const s = document.querySelector('.value input[type=range]'); s.value = 200; "
-    .. "s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()")
+  slide("N", 200)
   local state = w:wait(function(s) return s.run == run + 1 and s.frames > 5 end)
   equal(state.values.N, "10", "N at a fifth of 3 to 40") -- 3 + 37/5 = 10.4
   b:wait("view.page.layers[0].frame.n === 100")
+  b:wait("document.querySelector('.notice').textContent.includes('particles in place of')")
   local sentence = b:eval("(() => { const p = document.querySelector('.restarts'); return p.hidden ? '' : p.textContent })()")
-  assert(sentence:find("begins another run from its start", 1, true), sentence)
+  assert(sentence:find("acts from the run's next frame on", 1, true), sentence)
   silent("a slider")
 end
 
@@ -218,7 +236,8 @@ function tests.ten_pages_at_once_and_their_end_do_no_harm()
 end
 
 local order = { "it_follows_the_run_without_a_complaint", "it_shows_obstacles_and_the_wind", "pause_single_frame_and_going_on",
-  "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
+  "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_acts_on_the_run_under_way",
+  "a_slider_begins_another_run_where_only_a_start_can_have_its_value",
   "forces_are_shown_as_arrows_and_colours",
   "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
   "ten_pages_at_once_and_their_end_do_no_harm" }

@@ -14,6 +14,8 @@ return scene
 runs.write("junk", "junk\n")
 
 runs.fails("run ball.lua --resume junk", 'junk is no checkpoint, such as scene:output("checkpoint") writes')
+runs.fails("gallery nosuch", "cannot read the list of scenes nosuch: No such file or directory; scripts/gallery.lua is one")
+runs.fails("paths nosuch.lua", "hooke: paths: cannot read the scene nosuch.lua: No such file or directory")
 runs.refused("validate rods --as springs", "--as goes with --plugin: --plugin X.so --as springs")
 runs.refused("fit ball.lua --data x.csv --by k --starts=-1", "--starts: '-1' is not a whole number")
 runs.fails("rest ball.lua --without drag", "there is nothing labelled 'drag' to leave out; the scene has weight, drag of air")

@@ -152,12 +152,12 @@ hooke.page = (() => {
 
     state() {
       const known = this.history.known();
-      return { run: this.history.number, doing: this.doing, ...known, pace: this.pace, error: this.error, values: this.values,
+      return { run: this.history.number, doing: this.doing, restarts: true, ...known, pace: this.pace, error: this.error, values: this.values,
         summary: this.summary, parameters: this.parameters };
     }
 
     obey(what, more) {
-      if (what === "start") {
+      if (what === "start" || what === "change") { // here a run has no checkpoint to go on from
         Object.assign(this.values, Object.fromEntries(Object.entries(more.values || {}).map(([k, v]) => [k, String(v)])));
         this.start();
       } else if (what === "stop") this.stop();

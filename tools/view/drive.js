@@ -1,5 +1,5 @@
 // drive: what the user of a live page does to the run: start, pause, single frames, stop, its pace, the hand, and values
-// of the scene's parameters, each of which begins another run.
+// of the scene's parameters, which hold from the run's next frame on, or from its start where that is still to come.
 "use strict";
 view.drive = (() => {
   const { el } = view.dom;
@@ -7,6 +7,10 @@ view.drive = (() => {
   const PACES = [["0", "as fast as it can"], ["1", "real time"], ["0.25", "a quarter"], ["0.05", "a twentieth"]];
   const STRENGTHS = [["0.1", "soft"], ["1", "firm"], ["10", "strong"], ["100", "very strong"]];
   const STEPS = 1000;
+
+  const ACTS = "A value that is changed here acts from the run's next frame on, and its summary says so. Where only a start can have it (how "
+    + "many particles there are, their masses), another run begins; where they are at the start is only seen after a restart.";
+  const RESTARTS = "A value that is changed here begins another run from its start. Pace and hand act on this one.";
 
   const exact = (p, v) => p.type === "integer" ? Math.round(v) : Number(v.toPrecision(4));
 
@@ -53,7 +57,7 @@ view.drive = (() => {
       const { ask } = view.link, { select, check, button } = view.controls;
       this.state = null;
       this.said = el("p", { class: "doing" });
-      this.start = button("start", "run again from the start (with the values below)", () => this.again({}));
+      this.start = button("start", "run again from the start, with the values below", () => this.again({}));
       this.pause = button("pause", "stop at the next frame, or go on", () => ask(this.state.doing === "paused" ? "go" : "pause"));
       this.step = button("step", "one frame", () => ask("step"));
       this.stop = button("stop", "end the run, with its verdict", () => ask("stop"));
@@ -64,10 +68,9 @@ view.drive = (() => {
         ask("pace", { pace: Number(v) });
       });
       this.values = el("div", { class: "values" });
-      // A value is known to the script that makes the scene, and to nothing once it is made.
-      this.restarts = el("p", { class: "restarts", hidden: true },
-        "A value that is changed here begins another run from its start: a scene is made of its values once. Pace and hand act on this one.");
-      node.append(this.said, el("div", { class: "drive-buttons" }, this.start, this.pause, this.step, this.stop), this.values, this.restarts,
+      this.restarts = el("p", { class: "restarts", hidden: true });
+      this.notice = el("p", { class: "notice", role: "status", hidden: true });
+      node.append(this.said, this.notice, el("div", { class: "drive-buttons" }, this.start, this.pause, this.step, this.stop), this.values, this.restarts,
         el("div", { class: "drive-buttons" }, this.paces, select("Hand", "how strongly it pulls", STRENGTHS, this.strong,
           (v) => { this.strong = v; }), check("take hold", "a press on a particle takes it, as with Shift", false, hand)));
     }
@@ -82,7 +85,7 @@ view.drive = (() => {
     // The widgets, from the scene's own list; made once.
     offer(parameters) {
       this.widgets = parameters.map((p) => {
-        const w = widget(p, (value) => this.again({ [p.name]: value }));
+        const w = widget(p, (value) => view.link.ask("change", { values: { [p.name]: value } }));
         this.values.append(el("label", { class: "value", title: p.help }, el("span", {}, p.name), ...w.nodes));
         return { p, w };
       });
@@ -97,6 +100,9 @@ view.drive = (() => {
       this.run = state.run;
       this.pause.textContent = state.waiting && running ? "start" : state.doing === "paused" ? "go on" : "pause";
       this.start.hidden = !!state.waiting && running;
+      this.notice.textContent = state.notice || "";
+      this.notice.hidden = !state.notice;
+      this.restarts.textContent = state.restarts ? RESTARTS : ACTS;
       this.restarts.hidden = !this.widgets.length || this.start.hidden;
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";

@@ -301,6 +301,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   hk_confinement_end();
   free(o.given);
   free(o.with);
+  free(o.change);
   free(words);
   free(list);
   free(text);

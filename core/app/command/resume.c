@@ -36,11 +36,18 @@ static char *append(char *to, const char *word) {
   return to + length;
 }
 
+static const char with[] = "--with", change[] = "--change";
+
+/* That of an option of one word or of two; "": it has none. */
+static char *value_of(char **word, int count) {
+  char *equals = strchr(word[0], '=');
+  return count == 2 ? word[1] : equals ? equals + 1 : word[0] + strlen(word[0]);
+}
+
 /* Of what --with adds, all but outputs is part of the motion. */
 static bool adds_output(char **word, int count) {
-  static const char with[] = "--with", output[] = "output:";
-  const char *equals = strchr(word[0], '='), *value = count == 2 ? word[1] : equals ? equals + 1 : "";
-  return strncmp(word[0], with, sizeof with - 1) == 0 && strncmp(value, output, sizeof output - 1) == 0;
+  static const char output[] = "output:";
+  return strncmp(word[0], with, sizeof with - 1) == 0 && strncmp(value_of(word, count), output, sizeof output - 1) == 0;
 }
 
 char *hk_resume_words(int argc, char **argv) {
@@ -138,13 +145,75 @@ static const char *whole_command(const resumed *r, char *command, size_t size) {
   return command;
 }
 
+/* Whether `word`, NAME=VALUE, is a parameter that --change gives another value. */
+static bool changed(const resumed *r, const char *word) {
+  size_t length = strcspn(word, "=");
+  bool kept;
+  for (int i = 0, count; i < r->argc; i += count) {
+    count = words_of(r->argc, r->argv, i, &kept);
+    const char *value = value_of(r->argv + i, count);
+    if (*word != '-' && strncmp(r->argv[i], change, sizeof change - 1) == 0 && strncmp(value, word, length) == 0 &&
+        value[length] == '=')
+      return true;
+  }
+  return false;
+}
+
 /* Whether the user gives this option or parameter himself. */
 static bool given(const resumed *r, const char *word) {
   size_t length = strcspn(word, "=");
   bool kept;
+  if (changed(r, word)) return true;
   for (int i = 0; i < r->argc; i += words_of(r->argc, r->argv, i, &kept))
     if (strcspn(r->argv[i], "=") == length && strncmp(r->argv[i], word, length) == 0) return true;
   return false;
+}
+
+/* Whether what --with adds is added by the command that goes on, too: it is there once. */
+static bool added_again(const resumed *r, char **word, int words) {
+  bool kept;
+  for (int i = 0, count; i < r->argc && strncmp(word[0], with, sizeof with - 1) == 0; i += count) {
+    count = words_of(r->argc, r->argv, i, &kept);
+    if (strncmp(r->argv[i], with, sizeof with - 1) == 0 &&
+        strcmp(value_of(r->argv + i, count), value_of(word, words)) == 0)
+      return true;
+  }
+  return false;
+}
+
+/* Leaves out of the checkpoint's words those that the command replaces. */
+static void replace_words(resumed *r) {
+  int left = 0;
+  bool kept;
+  for (int i = 0, count; i < r->count; i += count) {
+    count = words_of(r->count, r->word, i, &kept);
+    if (changed(r, r->word[i]) || added_again(r, r->word + i, count)) continue;
+    for (int k = i; k < i + count; k++) r->word[left++] = r->word[k];
+  }
+  r->count = left;
+}
+
+/* Each --change is NAME=VALUE. */
+static hk_status check_changes(const resumed *r, hk_error *error) {
+  bool kept;
+  for (int i = 0, count; i < r->argc; i += count) {
+    count = words_of(r->argc, r->argv, i, &kept);
+    const char *value = value_of(r->argv + i, count);
+    if (strncmp(r->argv[i], change, sizeof change - 1) != 0 || (strchr(value, '=') && *value != '=')) continue;
+    return hk_error_set(error, HK_BAD_PARAM, "--change: '%s' is not the parameter and its value: --change NAME=VALUE",
+                        value);
+  }
+  return HK_OK;
+}
+
+/* Appends the parameters of --change to the words, as those of a run from the start are given: they are kept in its
+ * checkpoints. */
+static void add_changed(resumed *r) {
+  bool kept;
+  for (int i = 0, count; i < r->argc; i += count) {
+    count = words_of(r->argc, r->argv, i, &kept);
+    if (strncmp(r->argv[i], change, sizeof change - 1) == 0) r->word[r->count++] = value_of(r->argv + i, count);
+  }
 }
 
 /* What no run of hooke keeps in a checkpoint was put there by somebody. With --trust a script gets full rights, and
@@ -214,15 +283,18 @@ hk_status hk_resume_expand(int *argc, char ***argv, char ***list, char **text, h
   hk_status status = read_words(file, text, error);
   if (status != HK_OK) return status;
   for (const char *word = *text; *word; word += strlen(word) + 1) words++;
-  *list = calloc((size_t)(*argc + words) + 2, sizeof **list);
+  *list = calloc((size_t)(2 * *argc + words) + 2, sizeof **list);
   if (!*list) return hk_error_set(error, HK_NO_MEMORY, "no memory for the words of %s", file);
   resumed r = {file, at < *argc ? (*argv)[at] : NULL, *text, *argc, 0, *argv, *list + 1};
   for (char *word = *text + strlen(*text) + (words > 0); *word; word += strlen(word) + 1) r.word[r.count++] = word;
   status = check_scene(&r, error);
+  if (status == HK_OK) status = check_changes(&r, error);
   if (status == HK_OK) status = check_words(&r, error);
   if (status != HK_OK) return status;
+  replace_words(&r);
   say_command(&r);
   if (hk_option_given(*argc, *argv, "--trust")) r.count = 0; /* the user has given all of it */
+  add_changed(&r);
   (*list)[0] = (*argv)[at];
   int count = 1 + r.count;
   for (int i = 0; i < *argc; i++)

@@ -61,6 +61,7 @@ void hooke_free(hooke_run *run) {
   free(run->word);
   free(run->options.given);
   free(run->options.with);
+  free(run->options.change);
   free(run->text);
   free(run->summary);
   free(run->declared);
@@ -107,6 +108,7 @@ static const char *refused(const hk_options *o) {
   if (o->json || o->quiet || o->summary) return "hooke_summary gives the figures, and nothing is printed";
   if (o->state) return "hooke_write_state writes the state";
   if (o->watch || o->port || o->forces) return "`hooke run` has the page of a run";
+  if (o->run.change_count) return "`hooke run --resume FILE --change NAME=VALUE` goes on with another value";
   return o->help ? "`hooke run --help` lists options" : NULL;
 }
 
@@ -118,6 +120,7 @@ static hooke_status check_option(hooke_run *run, const char *name) {
   const char *instead = refused(&o);
   free(o.given);
   free(o.with);
+  free(o.change);
   if (instead) return hooke_fail(run, HK_BAD_PARAM, "'%s' is an option of the command line: %s", name, instead);
   return status == HK_OK ? HOOKE_OK : hooke_failed(run, &error);
 }

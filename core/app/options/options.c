@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum option_type { FLAG, TEXT, POSITIVE, NOT_NEGATIVE, COUNT, WHOLE, LIST } option_type;
+typedef enum option_type { FLAG, TEXT, POSITIVE, NOT_NEGATIVE, COUNT, WHOLE, LIST, CHANGE } option_type;
 
 typedef struct option {
   const char *name, *value, *help;
@@ -36,6 +36,9 @@ static const option options[] = {
     {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed), true},
     {"--resume", "FILE", "go on from a checkpoint of the scene (output checkpoint), with its parameters and options",
      TEXT, AT(run.resume), false},
+    {"--change", "NAME=VALUE",
+     "with --resume: a parameter of the scene has this value from the checkpoint on; may be repeated", CHANGE,
+     AT(run.change), false},
     {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
     {"--out", "DIR", "folder of the outputs, default out/SCENE; with --resume that of the checkpoint", TEXT,
      AT(run.out), false},
@@ -88,7 +91,7 @@ static hk_status unknown(const char *word, hk_error *error) {
 
 static hk_status bad_value(const option *o, const char *value, hk_error *error) {
   static const char *const wanted[] = {
-      "", "", "a positive number", "a number from 0 on", "a whole number from 1 to 1024", "a whole number", ""};
+      "", "", "a positive number", "a number from 0 on", "a whole number from 1 to 1024", "a whole number", "", ""};
   return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s: %s %s", o->name, value, wanted[o->type], o->name,
                       o->value);
 }
@@ -107,6 +110,10 @@ static hk_status store(const option *o, hk_options *into, const char *value, hk_
   case LIST:
     into->with[into->run.with_count++] = value;
     *(const char *const **)field = into->with;
+    return HK_OK;
+  case CHANGE: /* the same word is a parameter, too, which cuts it in two: it is checked before (resume.c) */
+    into->change[into->run.change_count++] = value;
+    *(const char *const **)field = into->change;
     return HK_OK;
   case POSITIVE:
   case NOT_NEGATIVE: {
@@ -190,7 +197,9 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
   *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN}};
   into->given = calloc((size_t)argc + 1, sizeof *into->given);
   into->with = calloc((size_t)argc + 1, sizeof *into->with);
-  if (!into->given || !into->with) return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
+  into->change = calloc((size_t)argc + 1, sizeof *into->change);
+  if (!into->given || !into->with || !into->change)
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
   for (int i = 0; i < argc; i++) {
     int used = 0;
     hk_status status = HK_OK;
@@ -208,6 +217,11 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     i += used;
   }
   if (!into->scene && !into->help) return hk_error_set(error, HK_BAD_PARAM, "no scene given: hooke run SCENE.lua");
+  if (into->run.change_count && !into->run.resume && !into->help)
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "--change %s is of a run that goes on: give its checkpoint as well, --resume FILE, or write %s "
+                        "alone for a run from the start",
+                        into->change[0], into->change[0]);
   if ((into->port || into->forces || into->at_once) && !into->watch && !into->help)
     return hk_error_set(error, HK_BAD_PARAM, "%s is of the page of --watch: give --watch as well",
                         into->port     ? "--port"

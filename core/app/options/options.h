@@ -17,11 +17,12 @@ typedef struct hk_options {
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
   const char **with;     /* as many */
+  const char **change;   /* as many */
   char beside[PATH_MAX]; /* the folder of the checkpoint, where run.out is that */
 } hk_options;
 
-/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` and `with`
- * afterwards. */
+/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given`, `with`
+ * and `change` afterwards. */
 hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
 /* Whether the flag of that name, "--name", is among the words. */
 bool hk_option_given(int argc, char **argv, const char *name);

@@ -107,7 +107,9 @@ static void add_compared(const words *w, const hk_finding *f) {
     break;
   case HK_BY_HAND:
     add(w,
-        "the accuracy asked for could not be checked: the user's hand did work of %.3g J, which no other run repeats",
+        "the accuracy asked for could not be checked: the user's hand did work of %.3g J or changed parameters while "
+        "it "
+        "ran, which no other run repeats",
         f->value);
     break;
   default:
@@ -236,11 +238,14 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, hk_summary 
   if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) describe_stability(loop, s);
   if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) checked(s, ", ", "each step within its tolerance");
   describe_energy(loop, s);
-  if (loop->record->by_hand)
+  if (loop->record->by_hand && s->hand_work == 0)
+    checked(s, ", ", "its parameters were changed while it ran, which no other run repeats: compared with none");
+  else if (loop->record->by_hand)
     checked(s, ", ", "moved by hand (work %.3g J), which no other run repeats: compared with none", s->hand_work);
   if (loop->record->contact_frames) checked(s, ", ", "no surfaces intersect at any frame");
-  if (loop->record->contact_frames && isfinite(loop->record->contact.closest))
-    checked(s, ", ", "the nearest at a gap of %.3g m", loop->record->contact.closest);
+  double gap = loop->record->contact.closest;
+  if (loop->record->contact_frames && isfinite(gap))
+    checked(s, ", ", "the nearest %s %.3g m", gap < 0 ? "within their thickness by" : "at a gap of", fabs(gap));
   bool known = hk_confirmed(c) || (c->tried && !isnan(c->error));
   if (!(s->accuracy > 0) && !known && !loop->record->by_hand)
     checked(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));

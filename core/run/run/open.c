@@ -166,12 +166,40 @@ static hk_status check_time(hk_run *run, const char *file) {
                       run->state.t, run->asked.end);
 }
 
+/* What a user changes is his doing, as what his hand moves: the energy that it gives is work, and no other run repeats
+ * it. Where the checkpoint was taken between frames, that energy is not known. */
+static hk_status take_changes(hk_run *run, const char *said) {
+  hk_state *s = &run->state;
+  hk_record *r = &run->record;
+  const hk_frame *f = &run->judgement.last_frame;
+  bool at_frame = r->frames > 0 && fabs(s->t * run->scene->fps - (double)(r->frames - 1)) < 1e-9;
+  hk_status status = hk_forces_settle(&run->dynamics);
+  if (status != HK_OK) return status;
+  double now = hk_state_kinetic(s, s->X) + hk_query_potential(&run->dynamics, s->t, s->X);
+  double gained = now - f->kinetic - f->potential;
+  char energy[64] = "", pins[96] = "";
+  if (at_frame && hk_query_has_energy(&run->dynamics)) {
+    s->X[s->size - 1] += gained;
+    snprintf(energy, sizeof energy, ", and the energy changes by %.4g J", gained);
+  } else
+    r->corrected = true;
+  r->by_hand = true;
+  hk_step_reset(&run->loop, HK_STATE_CHANGED);
+  if (run->pins_jump > 1e-9 * hk_state_extent(s))
+    snprintf(pins, sizeof pins, " but for pins, which jump by %.3g m to where they are by it", run->pins_jump);
+  hk_warn(&run->warnings, "from t = %.6g s on %s: positions, velocities and masses stay as they are%s%s", s->t, said,
+          pins, energy);
+  return HK_OK;
+}
+
 static hk_status start(hk_run *run) {
   double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
   hk_status status = HK_OK;
   const char *file = run->options.resume ? run->options.resume : run->scene->start_file;
   const char *origin = run->options.resume ? run->saving.origin : NULL;
-  if (file) status = hk_start_file_read(&run->loop, &run->judgement, run->folder, file, origin, &run->resumed);
+  hk_origin_changes changes = {run->options.change_count, run->options.change, ""};
+  if (file)
+    status = hk_start_file_read(&run->loop, &run->judgement, run->folder, file, origin, &changes, &run->resumed);
   if (status == HK_OK && run->resumed) status = check_time(run, file);
   if (status != HK_OK) return status;
   if (run->options.resume) hk_folder_go_on(run->folder, run->record.steps);
@@ -180,8 +208,10 @@ static hk_status start(hk_run *run) {
   if (status == HK_OK) status = hk_run_impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_forces_settle(&run->dynamics);
   if (status == HK_OK) status = hk_install_chosen_solver(&run->dynamics);
+  bool changed = run->resumed && *changes.said;
+  if (status == HK_OK && changed) status = take_changes(run, changes.said);
   double limit = run->step->dt_limit;
-  if (status == HK_OK && !goes_on_with_its_step(run, given)) {
+  if (status == HK_OK && (changed || !goes_on_with_its_step(run, given))) {
     run->loop.piece.n = 0;
     status = hk_step_choose(run->step, &run->dynamics, given);
   }

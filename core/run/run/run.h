@@ -35,8 +35,10 @@ typedef struct hk_run_options {
   bool bare;               /* outputs among them are left out: another run is compared with this one */
   const char *out;         /* NULL: "out/NAME" */
   const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
-  const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
-  bool only_run;           /* of its scene, of which what the run has copied is freed then */
+  size_t change_count;
+  const char *const *change; /* parameters that may have other values than in the checkpoint; "=VALUE" may follow */
+  const char *words;         /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  bool only_run;             /* of its scene, of which what the run has copied is freed then */
   bool no_output;
   const char *const (*taken)[2]; /* hk_folder_spare; NULL: none */
   bool draft;                    /* outputs may do with less quality (hk_draft) */
@@ -92,6 +94,7 @@ typedef struct hk_run {
   hk_interruption interruption;
   sig_atomic_t interruptions; /* before the outputs began to be closed */
   bool resumed;               /* the run was continued from a checkpoint */
+  double pins_jump;           /* m, by which pins were elsewhere there than they are by the scene as it is now */
   bool closed;
 } hk_run;
 

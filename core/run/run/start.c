@@ -77,6 +77,8 @@ static hk_status impose_again(hk_run *run) {
   if (!imposed) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the start");
   memcpy(imposed, s->X, 6 * n * sizeof *imposed);
   hk_status status = hk_dynamics_impose(&run->dynamics, s->t, imposed, imposed + 3 * n);
+  size_t most = n > 0 ? most_changed(s->X, imposed, n) : 0;
+  run->pins_jump = n > 0 ? apart(s->X + 3 * most, imposed + 3 * most) : 0;
   for (size_t e = 0; e < 6 * n && status == HK_OK; e++)
     if (fabs(imposed[e] - s->X[e]) > rounding * (e < 3 * n ? size : speed)) s->X[e] = imposed[e];
   free(imposed);

@@ -291,7 +291,30 @@ static hk_status adopt(hk_loop *loop, const header *h, hk_particle_set *set) {
   return HK_OK;
 }
 
-static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *path) {
+/* With other parameters the scene may have other particles; those of a run under way stay. Where particles are born and
+ * die, the ones that both have are compared. */
+static hk_status check_particles(hk_loop *loop, const hk_particle_set *set, const char *path, const char *said) {
+  const hk_state *s = loop->state;
+  bool vary = loop->plugins->kind[HK_SOURCE].count > 0;
+  uint32_t at;
+  if (!vary && s->model.n != set->n)
+    return hk_error_set(
+        loop->error, HK_BAD_PARAM,
+        "%s cannot be gone on from: %s, with which there are %zu particles in place of %zu: that takes a "
+        "run from the start",
+        path, said, s->model.n, set->n);
+  for (size_t i = 0; i < set->n; i++) {
+    bool known = hk_state_index(s, set->id[i], &at);
+    if (known ? s->mass[at] == set->mass[i] && s->group[at] == set->group[i] : vary) continue;
+    return hk_error_set(loop->error, HK_BAD_PARAM,
+                        "%s cannot be gone on from: %s, with which particle %u has another mass or group: these stay "
+                        "while a run goes on, so that it takes a run from the start",
+                        path, said, set->id[i]);
+  }
+  return HK_OK;
+}
+
+static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *path, const char *changed) {
   header h;
   progress p;
   hk_particle_set set = {0};
@@ -304,7 +327,9 @@ static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *pa
     hk_particle_set_free(&set);
     return hk_checkpoint_damaged(loop->error, path);
   }
-  hk_status status = adopt(loop, &h, &set);
+  hk_status status = changed ? check_particles(loop, &set, path, changed) : HK_OK;
+  if (status != HK_OK) hk_particle_set_free(&set);
+  if (status == HK_OK) status = adopt(loop, &h, &set);
   if (status != HK_OK) return status;
   if (!move_instances(w, loop) || w->left > 0)
     return other_scene(loop, path, "its plugins, their labels or what they keep differ");
@@ -312,16 +337,19 @@ static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *pa
   return hk_snapshot_take(&j->last_good, loop->state, loop->error);
 }
 
-hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, const char *path, const char *origin) {
+hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, const char *path, const char *origin,
+                             hk_origin_changes *changes) {
   hk_checkpoint c = {0};
   hk_walk w;
   const char *words = NULL, *then = NULL;
   char what[1200];
   hk_status status = hk_checkpoint_open(&c, &w, path, &words, &then, loop->error);
-  if (status == HK_OK && origin && !hk_origin_same(then, origin, what, sizeof what))
+  if (status == HK_OK && origin && !hk_origin_same(then, origin, changes, what, sizeof what))
     status = hk_error_set(loop->error, HK_BAD_PARAM,
-                          "%s cannot be gone on from: %s; scene:start{file=} takes it for another run", path, what);
-  if (status == HK_OK) status = read(loop, j, &w, path);
+                          "%s cannot be gone on from: %s; %s, and scene:start{file=} takes it for another run", path,
+                          what, "--change NAME=VALUE goes on with another value of a parameter");
+  bool other = status == HK_OK && origin && changes && *changes->said;
+  if (status == HK_OK) status = read(loop, j, &w, path, other ? changes->said : NULL);
   hk_checkpoint_free(&c);
   return status;
 }

@@ -17,7 +17,7 @@ static FILE *open_start(const hk_scene *scene, const hk_folder *output, const ch
 }
 
 static hk_status read_start(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
-                            const char *origin, bool *resumed) {
+                            const char *origin, hk_origin_changes *changes, bool *resumed) {
   char line[4096] = "";
   errno = 0;
   *resumed = false;
@@ -28,7 +28,7 @@ static hk_status read_start(hk_loop *loop, hk_judgement *j, const hk_folder *out
   if (!fgets(line, sizeof line, file))
     status = hk_error_set(loop->error, HK_IO, "%s is empty", path);
   else if (origin || strncmp(line, hk_checkpoint_magic, strlen(hk_checkpoint_magic) - 2) == 0) {
-    status = hk_checkpoint_read(loop, j, path, origin);
+    status = hk_checkpoint_read(loop, j, path, origin, changes);
     *resumed = status == HK_OK;
   } else if (strncmp(line, "id,x,", 5) == 0)
     status = hk_state_table_read(j->scene, loop, file, line, path);
@@ -41,9 +41,9 @@ static hk_status read_start(hk_loop *loop, hk_judgement *j, const hk_folder *out
 
 /* What is wrong with a file that the script names is said with the script's line. */
 hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
-                             const char *origin, bool *resumed) {
+                             const char *origin, hk_origin_changes *changes, bool *resumed) {
   const char *where = origin ? NULL : j->scene->start_where;
-  hk_status status = read_start(loop, j, output, path, origin, resumed);
+  hk_status status = read_start(loop, j, output, path, origin, changes, resumed);
   if (status == HK_OK || !where) return status;
   hk_error cause = *loop->error;
   *loop->error = (hk_error){0};

@@ -94,9 +94,10 @@ hk_status hk_checkpoint_words(const char *path, char **words, hk_error *error);
 
 /* ---- start_file.c: begins a run with a state table or a checkpoint. It is read after the plugins have started, so
  * that data derived from the scene's start state (rest lengths) do not change. *resumed: the file is a checkpoint. With
- * `origin` it has to be one, of the same scene and plugins ---- */
+ * `origin` it has to be one, of the same scene and plugins but for `changes`, with the particles and masses that the
+ * scene has with these ---- */
 
 hk_status hk_start_file_read(hk_loop *, hk_judgement *, const hk_folder *output, const char *path, const char *origin,
-                             bool *resumed);
+                             hk_origin_changes *changes, bool *resumed);
 
 #endif

@@ -85,9 +85,26 @@ static bool compare(const char *line, const char *other, char *sentence, size_t 
   return false;
 }
 
-bool hk_origin_same(const char *then, const char *now, char *sentence, size_t size) {
-  for (const char *line = then; line && *line; line = strchr(line, '\n') ? strchr(line, '\n') + 1 : NULL)
-    if (!compare(line, now, sentence, size)) return false;
+/* Whether the line is that of a parameter among those. */
+static bool is_parameter_of(const char *line, size_t count, const char *const *change) {
+  static const char parameter[] = "the parameter ";
+  size_t before = sizeof parameter - 1, length = name_length(line);
+  if (length <= before || strncmp(line, parameter, before) != 0) return false;
+  for (size_t k = 0; k < count; k++)
+    if (strcspn(change[k], "=") == length - before && strncmp(line + before, change[k], length - before) == 0)
+      return true;
+  return false;
+}
+
+bool hk_origin_same(const char *then, const char *now, hk_origin_changes *changes, char *sentence, size_t size) {
+  size_t used = 0;
+  if (changes) *changes->said = 0;
+  for (const char *line = then; line && *line; line = strchr(line, '\n') ? strchr(line, '\n') + 1 : NULL) {
+    if (compare(line, now, sentence, size)) continue;
+    if (!changes || !is_parameter_of(line, changes->count, changes->change)) return false;
+    int more = snprintf(changes->said + used, sizeof changes->said - used, "%s%s", used ? "; " : "", sentence);
+    used = used + (size_t)more < sizeof changes->said ? used + (size_t)more : sizeof changes->said - 1;
+  }
   for (const char *line = now; line && *line; line = strchr(line, '\n') ? strchr(line, '\n') + 1 : NULL)
     if (!find(then, line, name_length(line))) {
       snprintf(sentence, size, "%.*s is new", (int)name_length(line), line);

@@ -245,8 +245,14 @@ void hk_frame_across(const double axis[3], double side[3], double other[3]);
 bool hk_origin_add(char **text, const char *what, const char *value); /* false: no memory */
 bool hk_origin_add_file(char **text, const char *what, const char *path);
 bool hk_origin_add_text(char **text, const char *what, const char *content); /* as of a file with that content */
-/* False: they differ; `sentence` says in what, "the script cloth.lua has changed". */
-bool hk_origin_same(const char *then, const char *now, char *sentence, size_t size);
+typedef struct hk_origin_changes {
+  size_t count;
+  const char *const *change; /* parameters that may differ; "=VALUE" may follow */
+  char said[600];            /* is set: those that do, "the parameter k was 1 and is 2; ..."; "": none */
+} hk_origin_changes;
+
+/* False: they differ; `sentence` says in what, "the script cloth.lua has changed". `changes`: NULL, or what may. */
+bool hk_origin_same(const char *then, const char *now, hk_origin_changes *, char *sentence, size_t size);
 
 /* ---- overrides.c: choices of the command line that replace those of the script, for one run ---- */
 

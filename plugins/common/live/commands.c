@@ -23,6 +23,7 @@ static void obey(hk_live_commands *c, const char *line) {
   double pace;
   hold(c, line);
   if (strcmp(line, "release") == 0) c->held = 0;
+  if (strcmp(line, "keep") == 0) c->keep = true;
   if (strcmp(line, "pause") == 0) c->paused = true;
   if (strcmp(line, "go") == 0) c->paused = false;
   if (strcmp(line, "pause") == 0 || strcmp(line, "go") == 0) c->steps = 0;

@@ -9,6 +9,7 @@
 typedef struct hk_live_commands {
   int fd;
   bool paused, closed; /* closed: nobody drives any more */
+  bool keep;           /* the run is to be kept at the next frame, and ends there */
   int steps;           /* frames to go on for while it is paused */
   double pace;         /* s of the run in a second; 0: as fast as it can */
   uint32_t held;       /* id; 0: none */

@@ -14,8 +14,8 @@ enum {
 
 /* ---- R: what the run has ---- */
 
-bool hk_live_open(hk_live_messages *m, int fd) {
-  *m = (hk_live_messages){0};
+bool hk_live_open(hk_live_messages *m, int fd, const double origin[3]) {
+  *m = (hk_live_messages){.origin = {origin[0], origin[1], origin[2]}};
   return hk_live_queue_open(&m->queue, fd);
 }
 
@@ -53,7 +53,8 @@ static void add_field(text *t, const hk_frame_field *f) {
   add_line(t, (const char *const[]){"field", f->name, digits, hk_field_kinds[f->kind].name}, 4);
 }
 
-/* Single precision is enough for positions that are relative to the middle of the start. */
+/* Single precision is enough for positions that are relative to the middle of the start. Of what is given that stays.
+ */
 static void set_origin(hk_live_messages *m, const hk_frame_data *d) {
   for (size_t c = 0; c < 3; c++) {
     double low = INFINITY, high = -INFINITY;
@@ -61,7 +62,7 @@ static void set_origin(hk_live_messages *m, const hk_frame_data *d) {
       low = fmin(low, d->x[3 * i + c]);
       high = fmax(high, d->x[3 * i + c]);
     }
-    m->origin[c] = d->n ? low / 2 + high / 2 : 0;
+    if (isnan(m->origin[c])) m->origin[c] = d->n ? low / 2 + high / 2 : 0;
   }
 }
 
@@ -188,5 +189,13 @@ void hk_live_send_doing(hk_live_messages *m, bool stopped) {
   hk_live_lock(&m->queue);
   char *at = m->queue.broken ? NULL : hk_live_begin(&m->queue, 'D', sizeof word);
   if (at) hk_live_put(&at, &word, sizeof word);
+  hk_live_unlock(&m->queue);
+}
+
+void hk_live_send_kept(hk_live_messages *m, const char *path) {
+  size_t length = strlen(path);
+  hk_live_lock(&m->queue);
+  char *at = m->queue.broken ? NULL : hk_live_begin(&m->queue, 'K', length);
+  if (at) hk_live_put(&at, path, length);
   hk_live_unlock(&m->queue);
 }

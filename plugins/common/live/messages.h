@@ -13,6 +13,8 @@
  *
  *   D  uint32_t: 1 when the run has stopped because the user wants it to, 0 when it goes on: nothing comes in between
  *
+ *   K  the path of the checkpoint that will be written when the run is interrupted now: it waits for that
+ *
  * All numbers are little-endian. N is sent at every frame, F where the reader keeps up, and where the run stops. */
 #ifndef HK_LIVE_MESSAGES_H
 #define HK_LIVE_MESSAGES_H
@@ -30,13 +32,15 @@ typedef struct hk_live_messages {
   size_t steps;
 } hk_live_messages;
 
-bool hk_live_open(hk_live_messages *, int fd); /* false: no memory, or no thread */
-void hk_live_close(hk_live_messages *);        /* all is written, or the reader has gone; a second call does nothing */
+/* origin: m, of positions in messages; NAN: the middle of the start. False: no memory, or no thread. */
+bool hk_live_open(hk_live_messages *, int fd, const double origin[3]);
+void hk_live_close(hk_live_messages *); /* all is written, or the reader has gone; a second call does nothing */
 void hk_live_send_run(hk_live_messages *, const hk_frame_data *, const hk_frame *);
 void hk_live_send_topology(hk_live_messages *, const hk_frame_data *);
 /* N. Whether F is sent as well: it is left out where one waits already. */
 bool hk_live_send_numbers(hk_live_messages *, const hk_frame_data *, const hk_frame *);
 void hk_live_send_state(hk_live_messages *, const hk_frame_data *, const hk_frame *);
 void hk_live_send_doing(hk_live_messages *, bool stopped);
+void hk_live_send_kept(hk_live_messages *, const char *path);
 
 #endif

@@ -24,6 +24,25 @@ local function type_of(gives)
   return "any"
 end
 
+-- The type of a key of a table: by its name, its default, or how its text begins; "any" where that leaves it open.
+local of_names = { nx = "integer", ny = "integer", nz = "integer", n = "integer", count = "integer", knots = "integer", threads = "integer",
+  duration = "number", fps = "number", dt = "number", tol = "number", width = "number", height = "number", depth = "number",
+  group = "string", file = "string", help = "string", measure = "string" }
+local vectors = { from = "m", to = "m", origin = "m", position = "m", velocity = "m/s", low = "m", high = "m" } -- in these units
+local of_texts = { { "^a list of ids", "integer[]" }, { "^a list", "table" }, { "^a function", "function" }, { "^the name", "string" },
+  { "^a direction", "number[]" }, { "^its lower corner", "number[]" }, { "^its upper corner", "number[]" } }
+
+local function key_type(row)
+  local default = tostring(row.default or "")
+  if default == "true" or default == "false" then return "boolean" end
+  if row.text:find(" or ") then return of_names[row.name] or "any" end
+  for _, k in ipairs(of_texts) do
+    if row.text:find(k[1]) then return k[2] end
+  end
+  if vectors[row.name] == row.unit then return "number[]" end
+  return of_names[row.name] or "any"
+end
+
 local function options_of(name) return "hooke." .. name:gsub("[^%w]+", "_") .. "_options" end
 
 -- The keys of the table that an entry takes, as a class of their own.
@@ -31,7 +50,7 @@ local function options(entry, out)
   out[#out + 1] = "---@class " .. options_of(entry.name)
   for _, row in ipairs(entry.takes) do
     if row.name ~= "CHANNEL" then
-      out[#out + 1] = ("---@field %s%s any # %s%s"):format(row.name, row.default == "required" and "" or "?",
+      out[#out + 1] = ("---@field %s%s %s # %s%s"):format(row.name, row.default == "required" and "" or "?", key_type(row),
         row.unit ~= "-" and row.unit .. "; " or "", row.text)
     end
   end

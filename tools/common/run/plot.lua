@@ -113,7 +113,7 @@ local most_coloured, grey = 8, 99 -- a style of its own
 
 -- Of too many curves: all but eight become grey, and one of these says how many they are.
 local function grey_out(figure)
-  local left, rest = most_coloured, {}
+  local left, rest, named = most_coloured, {}, 0
   if #(figure.curves or {}) <= most_coloured then return end
   for pass = 1, 2 do
     for _, curve in ipairs(figure.curves) do
@@ -124,10 +124,15 @@ local function grey_out(figure)
     end
   end
   for _, curve in ipairs(figure.curves) do
-    if not curve.named then rest[#rest + 1] = curve end
+    if not curve.named then
+      rest[#rest + 1] = curve
+    else
+      named = named + 1
+      curve.style = curve.style or named -- all eight colours
+    end
   end
   for k, curve in ipairs(rest) do
-    curve.style, curve.marks, curve.title = grey, curve.lines == false, k == 1 and ("%d others"):format(#rest) or ""
+    curve.style, curve.marks, curve.title = grey, true, k == 1 and ("%d others"):format(#rest) or ""
   end
 end
 

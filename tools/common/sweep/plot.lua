@@ -1,5 +1,6 @@
 -- Diagrams of a sweep: a measure against one parameter, or against another measure along one (a line for each combination
--- of the others), as colour over two parameters, or the paths of a particle in panels. Repeats, and samples with equal
+-- of the others; with `panels` a panel for each value of some, on the same axes), as colour over two parameters, or the paths
+-- of a particle in panels. Repeats, and samples with equal
 -- coordinates, are drawn as their median. Cases that diverged or failed are omitted, and the title gives their number.
 local maps = require("common.sweep.maps")
 local paths = require("common.sweep.paths")
@@ -29,6 +30,9 @@ local function check(figure, k)
   end
   if figure.repeats and (not figure.along or figure.repeats ~= "least") then
     plan.refuse("plots[%d]: repeats: \"least\", of what is in `over`, beside `along`; the median otherwise", k)
+  end
+  if figure.panels and figure.measure and (#over ~= 1 or type(figure.panels) ~= "table") then
+    plan.refuse("plots[%d]: panels: a list of parameters, a panel for each of their values, beside one parameter or measure in `over`", k)
   end
   if figure.along and #over ~= 1 then plan.refuse("plots[%d]: along: goes with one measure in `over`", k) end
 end
@@ -60,6 +64,9 @@ function figures.list(plots, asked, the)
     elseif #points.over(figure) == 2 then maps.check(the, figure)
     elseif figure.along and not points.axis(the, figure.along) then
       plan.refuse("plots: along: '%s' is not a parameter of the sweep", figure.along)
+    end
+    for _, name in ipairs(figure.measure and figure.panels or {}) do
+      if not points.axis(the, name) then plan.refuse("plots: panels: '%s' is not a parameter of the sweep", tostring(name)) end
     end
   end
   return list
@@ -189,10 +196,9 @@ local function vertical(figure, curves)
   return axis, #numbers
 end
 
-local function draw_lines(the, figure, path)
-  local x = points.over(figure)[1]
-  local names, curves = points.others(the, { x, figure.along }), {}
-  for _, group in ipairs(points.grouped(the.cases, names)) do
+local function curves_of(the, figure, cases, names)
+  local x, curves = points.over(figure)[1], {}
+  for _, group in ipairs(points.grouped(cases, names)) do
     local list = figure.along and points_along(group, x, figure.measure, figure) or
       points_of(group, x, figure.measure)
     if #list > 0 then
@@ -200,6 +206,83 @@ local function draw_lines(the, figure, path)
       curves[#curves + 1] = { title = group.label, points = list, lines = lines }
     end
   end
+  return curves
+end
+
+-- ---- panels ----
+
+-- The curves of all panels: what is called the same looks the same in each. Gives the names in their order.
+local function style_alike(panels)
+  local names, number = {}, {}
+  for _, panel in ipairs(panels) do
+    for _, curve in ipairs(panel.curves) do
+      if not number[curve.title] then
+        names[#names + 1] = curve.title
+        number[curve.title] = #names
+      end
+      curve.style = number[curve.title]
+    end
+  end
+  return names
+end
+
+local function panel_items(panel, k, data)
+  local items = {}
+  for c, curve in ipairs(panel.curves) do
+    local name = ("P%dC%d"):format(k, c)
+    data[#data + 1] = { name = name, rows = curve.points }
+    items[c] = ("$%s using 1:2 with %s ls %d notitle"):format(name, curve.lines and "linespoints" or "points", curve.style)
+  end
+  return #items > 0 and items or { "NaN notitle" }
+end
+
+-- One legend above all.
+local function panel_commands(the, figure, all, names)
+  local x, commands = points.over(figure)[1], {}
+  local x_axis, more = horizontal(the, figure, x, all)
+  local y_axis = vertical(figure, all)
+  if not y_axis.fixed then y_axis.min, y_axis.max = margins(plot.column(all, 2), y_axis.log) end
+  plot.axis("x", x_axis, commands, plot.column(all, 1))
+  plot.axis("y", y_axis, commands, plot.column(all, 2))
+  table.move(more, 1, #more, #commands + 1, commands)
+  for k in ipairs(names) do commands[#commands + 1] = plot.style_line(k) end
+  return commands
+end
+
+local function draw_panels(the, figure, path)
+  local panels, all, data = points.grouped(the.cases, figure.panels), {}, {}
+  local names = points.others(the, { points.over(figure)[1], figure.along, table.unpack(figure.panels) })
+  for _, panel in ipairs(panels) do
+    panel.curves = curves_of(the, figure, panel, names)
+    table.move(panel.curves, 1, #panel.curves, #all + 1, all)
+  end
+  if #all == 0 then return nil, ("no picture %s.png: no case that ended well has '%s'"):format(path, figure.measure) end
+  local titles, across = style_alike(panels), math.min(#panels, 2)
+  local down = math.ceil(#panels / across)
+  local commands, items = panel_commands(the, figure, all, titles), {}
+  local heading, part = remarks.title(the, figure.title or figure.measure), 1 / down
+  commands[#commands + 1] = ("set multiplot layout %d,%d margins 0.08,0.985,%.3g,%.3g spacing 0.09,%.3g "
+    .. "title %s noenhanced offset 0,-0.5"):format(down, across, 0.16 * part, 1 - 0.26 * part, 0.26 * part, plot.quote(heading))
+  commands[#commands + 1] = ("set key at screen 0.5,%.3g center top vertical maxrows 1 Left reverse samplen 4 width 2"):format(
+    1 - 0.115 * part)
+  for k, panel in ipairs(panels) do
+    commands[#commands + 1] = ("set title %s noenhanced"):format(plot.quote(panel.label))
+    items = panel_items(panel, k, data)
+    if k < #panels then commands[#commands + 1] = "plot " .. table.concat(items, ", \\\n     ") end
+  end
+  for k, title in ipairs(titles) do
+    if title ~= "" then items[#items + 1] = ("keyentry with linespoints ls %d title %s noenhanced"):format(k, plot.quote(title)) end
+  end
+  items[#items] = items[#items] .. "\nunset multiplot"
+  return plot.draw(path, { commands = commands, more = items, data = data, width = figure.width or 560 * across + 40,
+    height = figure.height or 400 * down + 60 })
+end
+
+-- ---- one diagram ----
+
+local function draw_lines(the, figure, path)
+  local x = points.over(figure)[1]
+  local curves = curves_of(the, figure, the.cases, points.others(the, { x, figure.along }))
   local y_axis, count = vertical(figure, curves)
   if count == 0 then return nil, ("no picture %s.png: no case that ended well has '%s' and '%s'"):format(path,
     figure.measure, x) end
@@ -224,6 +307,7 @@ function figures.draw(the, results, figure, base)
   local fine, why
   if figure.path then fine, why = paths.draw(the, results, figure, path)
   elseif #over == 2 then fine, why = maps.draw(the, figure, path)
+  elseif figure.panels then fine, why = draw_panels(the, figure, path)
   else fine, why = draw_lines(the, figure, path) end
   if not fine then return nil, why end
   return path .. (fine == true and "" or fine)

@@ -9,14 +9,15 @@ child.__index = child
 local KEPT_ERRORS = 4000 -- characters
 
 -- The arguments for the link, for descriptors 3, 4 and 5.
-local function link_of(forces)
-  return { "--with", "force:pull:by_hand=true", "--with", "output:live:messages=3,commands=4,forces=" .. tostring(forces),
-    "--summary", "/dev/fd/5" }
+local function link_of(forces, origin)
+  local live = "output:live:messages=3,commands=4,forces=" .. tostring(forces)
+  if origin then live = ("%s,x=%.17g,y=%.17g,z=%.17g"):format(live, table.unpack(origin)) end
+  return { "--with", "force:pull:by_hand=true", "--with", live, "--summary", "/dev/fd/5" }
 end
 
--- forces: whether frames have each force by itself
-function child.start(arguments, forces)
-  local link = link_of(forces)
+-- forces: whether frames have each force by itself; origin: of positions in its messages (nil: its own choice)
+function child.start(arguments, forces, origin)
+  local link = link_of(forces, origin)
   local list = { "/proc/self/exe", "run" }
   table.move(arguments, 1, #arguments, 3, list)
   table.move(link, 1, #link, #list + 1, list)

@@ -41,4 +41,27 @@ function command_line.with(list, values)
   return own
 end
 
+-- The arguments of a run that goes on from a checkpoint, with values of which those in `changed` are new.
+function command_line.going_on(list, values, changed, checkpoint)
+  local own, names = command_line.with(list, values), {}
+  for k = #own, 1, -1 do
+    local name = own[k]:match("^([^-=][^=]*)=")
+    if name and changed[name] then table.remove(own, k) end
+  end
+  table.move({ "--resume", checkpoint }, 1, 2, #own + 1, own)
+  for name in pairs(changed) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do table.move({ "--change", ("%s=%s"):format(name, changed[name]) }, 1, 2, #own + 1, own) end
+  return own
+end
+
+-- The arguments as a shell would have them.
+function command_line.text(list)
+  local words = {}
+  for k, word in ipairs(list) do
+    words[k] = word:find("^[%w_+=:,./-]+$") and word or "'" .. word:gsub("'", "'\\''") .. "'"
+  end
+  return table.concat(words, " ")
+end
+
 return command_line

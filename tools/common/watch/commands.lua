@@ -19,7 +19,7 @@ local function pace(t)
 end
 
 -- Values of parameters that the scene declares, as texts; others are left out.
-local function start(t, declared)
+local function valued(what, t, declared)
   local values = {}
   for name, value in pairs(type(t.values) == "table" and t.values or {}) do
     local known = declared[name]
@@ -28,14 +28,19 @@ local function start(t, declared)
       values[name] = finite(value) and math.type(value) == "float" and ("%.17g"):format(value) or tostring(value)
     end
   end
-  return { name = "start", values = values }
+  return { name = what, values = values }
 end
 
 local function plain(name)
   return function() return { name = name, line = name } end
 end
 
-local known = { hold = hold, pace = pace, start = start, release = plain("release"), pause = plain("pause"), go = plain("go"),
+local function with_values(name)
+  return function(t, declared) return valued(name, t, declared) end
+end
+
+local known = { hold = hold, pace = pace, start = with_values("start"), change = with_values("change"),
+  release = plain("release"), pause = plain("pause"), go = plain("go"),
   step = plain("step"), stop = function() return { name = "stop" } end }
 
 -- nil: it is none.

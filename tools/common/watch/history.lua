@@ -20,12 +20,13 @@ local BINARY, JSON = "application/octet-stream", "application/json"
 
 function history.new(server, number, title)
   return setmetatable({ server = server, number = number, title = title, frames = 0, stride = 1, size = 0, kept = {},
-    chunk = {}, latest = -1 }, history)
+    chunk = {}, latest = -1, topologies = 0, before = 0, told = {} }, history)
 end
 
 local function name_of(self, kind, k) return ("%s/%d/%d"):format(kind, self.number, k) end
 
 local function begin(self, body)
+  self.told.R = body
   local run = messages.run(body)
   local fields = json_text.list()
   for k, f in ipairs(run.fields) do fields[k] = shared.field(f) end
@@ -74,12 +75,21 @@ end
 local heard = {
   R = begin,
   T = function(self, body)
-    self.topologies = string.unpack("<I4", body)
-    self.server:put(name_of(self, "topology", self.topologies), BINARY, body)
+    self.topologies = self.before + string.unpack("<I4", body)
+    self.server:put(name_of(self, "topology", self.topologies), BINARY, string.pack("<I4", self.topologies) .. body:sub(5))
   end,
-  S = function(self, body) self.server:put(("solids/%d"):format(self.number), BINARY, body) end,
+  S = function(self, body)
+    self.told.S = body
+    self.server:put(("solids/%d"):format(self.number), BINARY, body)
+  end,
   N = note,
-  F = keep,
+  F = function(self, body)
+    if self.before > 0 then
+      local k, topology = string.unpack("<I4I4", body)
+      body = string.pack("<I4I4", k, self.before + topology) .. body:sub(9)
+    end
+    keep(self, body)
+  end,
 }
 
 function history:hear(letter, body)
@@ -87,10 +97,19 @@ function history:hear(letter, body)
   if what then what(self, body) end
 end
 
+-- Another process goes on with the run: it tells anew what there is, and counts its topologies anew.
+function history:go_on() self.before = self.topologies end
+
+-- The origin of its positions, m.
+function history:origin() return messages.run(self.told.R).origin end
+
+-- Whether R or S, as a process that goes on tells it, is what the page has.
+function history:has(letter, body) return self.told[letter] == body end
+
 -- The run is shown no more.
 function history:drop()
   for k in pairs(self.kept) do forget(self, k) end
-  for k = 1, self.topologies or 0 do self.server:drop(name_of(self, "topology", k)) end
+  for k = 1, self.topologies do self.server:drop(name_of(self, "topology", k)) end
   for c = 0, self.frames // CHUNK do self.server:drop(name_of(self, "numbers", c)) end
   self.server:drop(("solids/%d"):format(self.number))
   self.server:drop(("run/%d"):format(self.number))

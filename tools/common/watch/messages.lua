@@ -53,7 +53,7 @@ function messages.frame(body)
   return string.unpack("<I4I4I4", body)
 end
 
--- Whether the run stands still, from D.
+-- Whether the run stands still, from D. (K is a path.)
 function messages.stopped(body)
   return string.unpack("<I4", body) == 1
 end
