@@ -359,12 +359,14 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   return 8;
 }
 
-/* m: the farthest particle beyond a wall, or by how much a cell was too full, at most. */
+/* m: the farthest particle beyond a wall, by how much a cell was too full, at most, or a gap that it is in too narrow.
+ */
 static double violation(void *self, const hk_view *view) {
   const liquid *s = self;
   const hk_liquid_particles p = particles_at(s, view);
   const double *spacing = s->method.grid.spacing;
-  return fmax(hk_liquid_beyond(&s->method, &p), s->off * fmin(spacing[0], fmin(spacing[1], spacing[2])));
+  double wrong = fmax(hk_liquid_beyond(&s->method, &p), hk_liquid_squeezed(&s->method, &p));
+  return fmax(wrong, s->off * fmin(spacing[0], fmin(spacing[1], spacing[2])));
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),

@@ -143,6 +143,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   particle_conduction *s = self;
   hk_status status = hk_heat_law_check(&s->law, host);
   if (status == HK_OK) status = hk_heat_channel_find(&s->heat, host, view->model);
+  s->common.takes_joined = true;
   return status == HK_OK ? hk_sph_open(&s->common, host, view) : status;
 }
 

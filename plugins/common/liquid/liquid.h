@@ -13,6 +13,7 @@
 #include "plugins/common/liquid/bodies.h"
 #include "plugins/common/mac_grid/liquid_grid.h"
 #include "plugins/common/mac_grid/pressure.h"
+#include "plugins/common/mac_grid/narrow_gaps.h"
 #include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/thin_walls/thin_walls.h"
 
@@ -35,6 +36,7 @@ typedef struct hk_liquid {
   hk_liquid_grid grid;
   hk_pressure pressure;
   const hk_obstacle_set *obstacles; /* NULL: none */
+  hk_narrow_gap gap;                /* the narrowest between them, where they were at the start */
   const hk_inflows *inflows;        /* NULL: none */
   hk_liquid_bodies bodies;
   hk_thin_walls thin; /* cloth */
@@ -106,6 +108,8 @@ void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* Particles that are beyond walls by more than rounding. */
+/* m: by how much the narrowest gap is narrower than a cell, if some of it is in there; 0: it is not. */
+double hk_liquid_squeezed(const hk_liquid *, const hk_liquid_particles *);
 size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);

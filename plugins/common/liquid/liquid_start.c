@@ -42,10 +42,10 @@ void hk_liquid_warn_of_births(const hk_liquid *l, const hk_view *view, const uin
     }
 }
 
-void hk_liquid_warn_of_walls(const hk_liquid *l) {
+void hk_liquid_warn_of_walls(hk_liquid *l) {
   static const bool open[3][2];
   hk_warn_of_thin(l->host, &l->grid, l->obstacles, "the liquid");
-  hk_warn_of_gaps(l->host, &l->grid, l->obstacles, open, "liquid");
+  l->gap = hk_warn_of_gaps(l->host, &l->grid, l->obstacles, open, "liquid");
 }
 
 hk_status hk_liquid_find_walls(hk_liquid *l, const bool *const *carried) {

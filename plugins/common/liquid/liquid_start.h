@@ -12,7 +12,7 @@ hk_status hk_liquid_check_start(const hk_liquid *, const hk_view *, const uint32
 /* Of particles that are born outside of it. */
 void hk_liquid_warn_of_births(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
 /* Of obstacles, and of gaps between them and to the sides of the box, that are thinner than two cells. */
-void hk_liquid_warn_of_walls(const hk_liquid *);
+void hk_liquid_warn_of_walls(hk_liquid *);
 /* The obstacles and inflows of the scene are its walls; what `carried` says is kept out of them by the liquid. Returns
  * HK_FAILED, with a message, where there is no service of them, HK_BAD_PARAM where there are too many liquids. */
 hk_status hk_liquid_find_walls(hk_liquid *, const bool *const *carried);

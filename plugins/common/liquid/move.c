@@ -195,6 +195,14 @@ double hk_liquid_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
   return most;
 }
 
+double hk_liquid_squeezed(const hk_liquid *l, const hk_liquid_particles *p) {
+  bool within = false;
+  if (!l->obstacles || !(l->gap.width < l->gap.cell)) return 0;
+  for (size_t k = 0; k < p->count && !within; k++)
+    within = hk_gap_holds(&l->gap, l->obstacles, p->x + 3 * (size_t)p->index[k]);
+  return within ? l->gap.cell - l->gap.width : 0;
+}
+
 size_t hk_liquid_count_beyond(const hk_liquid *l, const hk_liquid_particles *p) {
   double least = 0;
   size_t count = 0;

@@ -66,9 +66,10 @@ HK_INLINE void fill_rows(const filling *f, const hk_periodic_box *box, size_t fi
     sums sum = {.density = s->point[i][3] * s->kernel.amplitude};
     l->start[i] = to;
     l->density[i] = l->diagonal[i] = 0;
+    bool moves = s->role[i] == HK_SPH_WALL && hk_model_moves(f->view->model, i);
+    if (s->role[i] == HK_SPH_LIQUID || moves) to = fill_row(l, f->rows, box, inverse_mass, i, to, &sum);
     if (s->role[i] == HK_SPH_LIQUID) {
       const double *g = sum.gradient;
-      to = fill_row(l, f->rows, box, inverse_mass, i, to, &sum);
       l->density[i] = sum.density;
       l->diagonal[i] = inverse_mass[i] * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) + sum.others;
     }

@@ -18,10 +18,10 @@ enum { HK_SPH_FOUR = 4 };
 typedef struct hk_sph_list {
   double (*point)[4]; /* n, as hk_sph.point: what the list is of */
   size_t n;           /* 0: of nothing */
-  double *density;    /* n, kg/m^3 */
+  double *density;    /* n, kg/m^3; of what is not liquid 0, as the diagonal */
   double *diagonal;   /* n, kg/m^6: |sum w_j grad W|^2/m_i + sum over the liquid of w_j^2 |grad W|^2/m_j */
   size_t *start;      /* n: of the row */
-  uint32_t *count;    /* n: of its entries, a multiple of 4; 0 of what is not liquid, as density and diagonal */
+  uint32_t *count;    /* n: of its entries, a multiple of 4; 0 of what is neither liquid nor a wall that moves */
   uint32_t *other;
   float *weight;
   size_t point_room, density_room, diagonal_room, start_room, count_room, other_room, weight_room;

@@ -2,15 +2,23 @@
 
 /* ---- who takes part ---- */
 
-/* Places that joints are fixed to have no mass, and are no walls. */
 static bool is_held(const hk_model *m, size_t i) {
   return ((m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH) && m->mass[i] > 0) || m->pin[i] == HK_PIN_RIDES;
 }
 
-static bool is_inside(const hk_model *m, size_t i) { return m->inside && m->inside[i]; }
+/* Places that joints are fixed to have no mass, and are neither walls nor liquid. */
+static bool is_inside(const hk_model *m, size_t i) {
+  return (m->inside && m->inside[i]) || !(m->mass[i] > 0 || m->pin[i] == HK_PIN_RIDES);
+}
 
 static void give_listed(hk_sph *s, const hk_tuples *list, hk_sph_role role) {
   for (size_t k = 0; k < list->count; k++) s->role[*hk_tuple(list, k)] = (uint8_t)role;
+}
+
+/* What is in an edge or triangle is solid: a wall that moves, until nothing joins it any more. */
+static void give_joined(hk_sph *s, const hk_model *m, const hk_tuples *list) {
+  for (size_t k = 0; k < list->count * list->arity && !s->takes_joined; k++)
+    if (!is_inside(m, list->index[k])) s->role[list->index[k]] = s->walls.count ? HK_SPH_NONE : HK_SPH_WALL;
 }
 
 static void give_roles(hk_sph *s, const hk_view *view) {
@@ -20,6 +28,8 @@ static void give_roles(hk_sph *s, const hk_view *view) {
                 held = s->walls.count ? HK_SPH_NONE : HK_SPH_WALL;
     s->role[i] = (uint8_t)(is_inside(m, i) ? HK_SPH_NONE : is_held(m, i) ? held : free);
   }
+  give_joined(s, m, &m->edges);
+  give_joined(s, m, &m->triangles);
   give_listed(s, &s->walls, HK_SPH_WALL);
   give_listed(s, &s->particles, HK_SPH_LIQUID);
 }

@@ -23,7 +23,8 @@ typedef struct hk_sph {
   double wall_volume;             /* m^3; NAN: from the walls around */
   int64_t dimensions;             /* 3, or 2: a plane, one spacing deep */
   hk_tuples particles, walls;
-  double *volume; /* n, m^3; 0: not known yet */
+  bool takes_joined; /* for heat: what edges and triangles join is as the liquid; to be set before hk_sph_open */
+  double *volume;    /* n, m^3; 0: not known yet */
   hk_sph_kernel kernel;
   uint8_t *role;      /* n, hk_sph_role */
   double (*point)[4]; /* n: x, y, z and the mass that counts, kg; 0 of those that take no part */
@@ -42,9 +43,11 @@ typedef struct hk_sph {
      .number = HK_AT(type, sph.reach), .initial = {3}, .limits = HK_WITHIN(1.8, 6)},                                   \
   {"dimensions", "", "3, or 2 for a liquid in a plane",                                                                \
      .integer = HK_AT(type, sph.dimensions), .initial = {3}, .limits = HK_WITHIN(2, 3)},                               \
-  {"particles", "", "that are the liquid; left out: all that are not walls, nor fixed, nor of a rigid body",           \
+  {"particles", "", "that are the liquid; left out: all that are not walls, nor fixed, nor of a rigid body, nor in an "    \
+     "edge or triangle of the scene: what is freed of these joins it",                                                \
      .particles = HK_AT(type, sph.particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},                                    \
-  {"walls", "", "particles that hold the liquid; left out: those that are pinned and points of rigid bodies",          \
+  {"walls", "", "particles that hold the liquid; left out: those that are pinned, points of rigid bodies, and what is "    \
+     "in an edge or triangle of the scene",                                                                           \
      .particles = HK_AT(type, sph.walls), .flags = HK_OPTIONAL},                                                       \
   {"wall_volume", "m^3", "of a particle of walls: spacing^3 where they are layers of the liquid's lattice as thick as "  \
      "the kernel; left out: by the walls around it, also for one layer (Akinci 2012)",                                 \

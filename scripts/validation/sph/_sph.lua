@@ -24,26 +24,30 @@ function sph.fill(scene, dx, low, high, options)
   return ids
 end
 
--- The forces; options: c, mu, reach, cavitates.
+-- The forces; options: c (m/s; left out: incompressible), mu (Pa s), reach, cavitates.
 function sph.forces(scene, dx, options)
   local function common(t)
     t.spacing, t.dimensions, t.density = dx, 2, sph.density
     t.reach, t.wall_volume = options.reach or sph.reach, dx ^ 3
     return t
   end
-  scene:force("sph", common { c = options.c, cavitates = options.cavitates ~= false })
+  if options.c then
+    scene:force("sph", common { c = options.c, cavitates = options.cavitates ~= false })
+  else
+    scene:corrector("incompressible", common {})
+  end
   if options.mu then scene:force("viscosity", common { mu = options.mu }) end
 end
 
 -- Taylor and Green's vortices of the amplitude U, m/s, in a periodic box of the side `length`, m, with n x n particles and the
--- viscosity nu, m^2/s. Returns a function: their amplitude at a time, m/s.
-function sph.vortices(scene, n, length, U, nu)
+-- viscosity nu, m^2/s; c: speed of sound, m/s, nil: incompressible. Returns a function: their amplitude at a time, m/s.
+function sph.vortices(scene, n, length, U, nu, c)
   local k, dx = 2 * math.pi / length, length / n
   local function mode(x, z) return math.sin(k * x) * math.cos(k * z), -math.cos(k * x) * math.sin(k * z) end
   local ids = sph.fill(scene, dx, { 0, 0 }, { length, length },
     { velocity = function(x, z) local u, w = mode(x, z) return U * u, U * w end })
   scene:periodic { high = { length, length, length }, axes = "xz" }
-  sph.forces(scene, dx, { c = 2, mu = sph.density * nu, cavitates = false })
+  sph.forces(scene, dx, { c = c, mu = sph.density * nu, cavitates = false })
   return function(t)
     local state, sum, norm = scene:run { to = t }:state(), 0, 0
     for _, id in ipairs(ids) do

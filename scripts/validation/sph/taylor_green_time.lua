@@ -6,7 +6,7 @@ local nu, U, length, n, finish = 0.02, 0.2, 1, 12, 0.2 -- m^2/s, m/s, m, s
 
 local function amplitude(options)
   options.duration, options.fps = finish, 1 / finish
-  return sph.vortices(hooke.scene(options), n, length, U, nu)(finish)
+  return sph.vortices(hooke.scene(options), n, length, U, nu, 2)(finish)
 end
 
 return validation.problem {
