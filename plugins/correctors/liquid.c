@@ -31,7 +31,6 @@ typedef struct liquid {
   double *dissipation; /* n, W/kg, of the last step */
   double *counted;     /* n, kg: of each, as the balance has it */
   hk_array guess;      /* m^2/s, the last pressure, on the grid */
-  hk_array force;      /* of bodies x 12, hk_liquid_bodies */
   double reached;      /* s, the end of the last step */
   double off;          /* by which the density within was off, at most */
   double left;         /* of the divergence, by the step: what a cell gained or lost, at most */
@@ -107,7 +106,6 @@ static const hk_field fields[] = {
     {"counted", .per_particle = HK_AT(liquid, counted), .width = 1},
     {"pressure", .array = HK_AT(liquid, guess), .width = sizeof(double), .flags = HK_COUNTED},
     {"second_pressure", .array = HK_AT(liquid, second), .width = sizeof(double), .flags = HK_COUNTED},
-    {"force", .array = HK_AT(liquid, force), .width = sizeof(double), .flags = HK_COUNTED},
     {"reached", .number = HK_AT(liquid, reached)},
     {"off", .number = HK_AT(liquid, off)},
     {"left", .number = HK_AT(liquid, left)},
@@ -207,8 +205,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     status = hk_cell_viscosity_open(host, view->model, s->viscosity_of, s->viscosity, m->grid.size, &s->viscosities,
                                     &s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
-  if (status == HK_OK) status = hk_liquid_bodies_open(&m->bodies, host, view->model, m->grid.size);
-  if (status == HK_OK) status = host->resize(host, &s->force, 12 * m->bodies.count);
+  if (status == HK_OK)
+    status = hk_liquid_bodies_open(&m->bodies, host, view, m->grid.size,
+                                   (const double[]){m->grid.flat[0], m->grid.flat[1], m->grid.flat[2]});
   if (status == HK_OK) status = open_cloth(s, view);
   if (status != HK_OK) return status;
   status = hk_liquid_find_walls(m, (const bool *const *)&s->carried);
@@ -301,7 +300,6 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   p.affine = s->affine + (s->slot ? 0 : 9);
   begin(s, c);
   double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
-  m->bodies.force = s->force.item;
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
   if (status != HK_OK) return status;

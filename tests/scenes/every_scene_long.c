@@ -53,6 +53,7 @@ static const char *options_of(const char *scene) {
       {"drop", "cell=0.002"},
       {"glass", "fill=0.1"},
       {"skipping_stone", "cell=0.05"},
+      {"tumbler", "cell=0.006 off=0.1"},
       {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},
       {"hourglass", "n=60"},

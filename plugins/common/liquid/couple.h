@@ -6,8 +6,9 @@
 
 #include "plugins/common/liquid/liquid.h"
 
-/* The walls of free bodies for the pressure, whose rows are known. HK_NO_MEMORY, with a message. */
-hk_status hk_liquid_couple(hk_liquid *);
+/* The walls of free bodies for the pressure, whose rows are known; bodies get what acts on these beyond the centres of
+ * cells, known from the pressure of the last step (size, m^2/s). HK_NO_MEMORY, with a message. */
+hk_status hk_liquid_couple(hk_liquid *, const double *last);
 /* Bodies and their faces get the velocities that the pressure gives them. */
 void hk_liquid_react(hk_liquid *);
 /* The faces that wet bodies cover move as they do. */

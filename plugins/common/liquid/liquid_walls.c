@@ -1,5 +1,6 @@
 /* Walls of a liquid: the box, and obstacles by their signed distances at the corners of cells. */
 #include "plugins/common/liquid/liquid.h"
+#include "plugins/common/mac_grid/cut_cells.h"
 
 static const double least_open = 1e-3, least_room = 0.05;
 static const double on_grid = 1e-6;      /* of a cell: rounding of the place of an inflow */
@@ -163,13 +164,8 @@ static void face_rows(void *context, size_t begin, size_t end, size_t piece) {
 }
 
 double hk_liquid_open_cell(const hk_liquid_grid *g, size_t i) {
-  double mean = 0, h = 0;
-  for (int b = 0; b < 8; b++)
-    mean +=
-        g->solid[i + (b & 1) * g->stride[0] + (size_t)(b >> 1 & 1) * g->stride[1] + (size_t)(b >> 2) * g->stride[2]] /
-        8;
-  for (int c = 0; c < 3; c++) h += g->spacing[c] / 3;
-  return fmin(1, fmax(0, 0.5 + mean / h));
+  double h = (g->spacing[0] + g->spacing[1] + g->spacing[2]) / 3;
+  return fmin(1, fmax(0, 0.5 + hk_cut_cell_distance(g, i) / h));
 }
 
 /* room: a cell's own open part and those beside it, as the kernel of the filled parts weighs them: 1/8, 3/4, 1/8 along
@@ -186,9 +182,19 @@ static void weigh(const hk_liquid_grid *g, int c, const double *from, double *to
   }
 }
 
+/* m, of the centre of a cell to the nearest solid. */
+static double distance_of_centre(const hk_liquid *l, const hk_liquid_row *row, size_t i) {
+  nearest_solid nearest;
+  double x[3];
+  point_of(&l->grid, row, i, -1, x);
+  for (int c = 0; c < 3; c++) x[c] += l->grid.flat[c] ? 0 : l->grid.spacing[c] / 2;
+  return distance_at(l, x, &nearest);
+}
+
 static void find_room(hk_liquid *l) {
   hk_liquid_grid *g = &l->grid;
   size_t rows = hk_liquid_rows(g, 0), length = g->cells[hk_liquid_inner(g)];
+  double near = fmax(g->spacing[0], fmax(g->spacing[1], g->spacing[2]));
   for (size_t k = 0; k < rows; k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + length; i++) g->distance[i] = has_solids(l) ? hk_liquid_open_cell(g, i) : 1;
@@ -196,6 +202,12 @@ static void find_room(hk_liquid *l) {
   weigh(g, 0, g->distance, g->room);
   weigh(g, 1, g->room, g->distance);
   weigh(g, 2, g->distance, g->room);
+  for (size_t k = 0; k < rows && has_solids(l); k++) {
+    const hk_liquid_row row = hk_liquid_row_at(g, k, 0);
+    for (size_t i = row.first; i < row.first + length; i++)
+      if (fabs(hk_cut_cell_distance(g, i)) < near)
+        hk_cut_cell_add(g, &row, i, hk_liquid_open_cell(g, i), distance_of_centre(l, &row, i));
+  }
   for (size_t k = 0; k < rows && has_solids(l); k++) {
     size_t first = hk_liquid_row_at(g, k, 0).first;
     for (size_t i = first; i < first + length; i++)

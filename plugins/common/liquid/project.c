@@ -122,7 +122,7 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   hk_liquid_grid *g = &l->grid;
   hk_pressure *p = &l->pressure;
   fill_gaps(l);
-  hk_status status = hk_liquid_couple(l);
+  hk_status status = hk_liquid_couple(l, guess);
   if (status == HK_OK) status = hk_liquid_couple_thin(l, guess);
   if (status != HK_OK) return status;
   l->host->parallel_for(l->host, p->rows, GRAIN, rows_piece, l);
@@ -146,15 +146,16 @@ hk_status hk_liquid_project(hk_liquid *l, double *guess) {
   return HK_OK;
 }
 
-/* How much fuller than the density a cell is; what borders on air or cloth may be thinner, and so may
- * what is mostly wall. */
+/* How much fuller than the density a cell is, by its whole volume: what a wall leaves of it. What borders on air or
+ * cloth may be thinner. */
 static double excess(const hk_liquid *l, size_t k) {
   const hk_liquid_grid *g = &l->grid;
   const hk_pressure *p = &l->pressure;
   size_t i = p->cell[k];
   double off = g->filled[i] - 1;
+  if (g->room[i] < 1) off *= hk_liquid_open_cell(g, i);
   if (off >= 0) return off;
-  if (g->room[i] < 0 || hk_thin_walls_beside(&l->thin, g, i, 1)) return 0;
+  if (hk_thin_walls_beside(&l->thin, g, i, 1)) return 0;
   for (int c = 0; c < 3; c++) {
     size_t s = g->stride[c];
     if (g->open[c][i] > 0 && p->prior[c][k] == p->rows) return 0;

@@ -105,11 +105,75 @@ static void a_drop_on_a_wall_does_not_move_into_it(void **state) {
   if (!(head < 0.3 + 1e-9)) fail_msg("%g m of head, from 0.3", head);
 }
 
+/* A vessel of 0.8 m, of which walls cut the grid's cells: liquid at rest in it up to a level, m, 10 cells across. */
+static const char vessel[] =
+    "local filling = require('filling')\n"
+    "local shape, level, tilt, R = param('shape', 'sphere', ''), param('level', 1, 'm', {}), param('tilt', 0, 'rad', "
+    "{}), 0.4\n"
+    "local c, s = math.cos(tilt), math.sin(tilt)\n"
+    "local function inside(x, y, z)\n"
+    "  if z > level then return false end\n"
+    "  x, z = c * x - s * z, s * x + c * z\n"
+    "  if shape == 'sphere' then return x * x + y * y + z * z < R * R end\n"
+    "  return x * x + y * y < R * R and math.abs(z) < R end\n"
+    "local scene = hooke.scene { duration = 1, fps = 200, dt = 0.005, integrator = 'symplectic_euler' }\n"
+    "local water = filling.box { low = { -0.5, -0.5, -0.5 }, high = { 0.5, 0.5, 0.5 }, cell = 1 / 12, inside = inside "
+    "}\n"
+    "scene:particles { positions = water.positions, mass = water.mass }\n"
+    "scene:force('gravity', { g = { 0, 0, -9.81 } })\n"
+    "scene:corrector('obstacle', { shape = shape, size = { 2 * R, 2 * R, 2 * R }, hollow = true, restitution = 0,\n"
+    "  rotation = { 0, tilt, 0 } })\n"
+    "scene:corrector('liquid', { low = { -0.5, -0.5, -0.5 }, high = { 0.5, 0.5, 0.5 }, cell = 1 / 12, tolerance = "
+    "1e-11 })\n"
+    "local first\n"
+    "scene:measure('rise', function(s)\n"
+    "  local sum = 0\n"
+    "  for id = 1, s.n do sum = sum + s:position(id)[3] / s.n end\n"
+    "  first = first or sum\n"
+    "  return sum - first end)\n"
+    "scene:measure('fastest', function(s)\n"
+    "  local most = 0\n"
+    "  for id = 1, s.n do for _, v in ipairs(s:velocity(id)) do most = math.max(most, math.abs(v)) end end\n"
+    "  return most end)\n"
+    "return scene\n";
+
+static void run_vessel(const char *words) {
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s --json --no-output --no-check %s", test_write("vessel.lua", vessel),
+           words);
+  test_hooke(&r, NULL, arguments);
+  if (!(test_json(r.out, "in_walls") == 0)) fail_msg("%s%s", r.out, r.err);
+}
+
+/* Of 1e-10 m/s as a column in a box, by the same tolerance of the pressure. Kernels beside walls that cut cells had up
+ * to 6 % less room than they have: the density of a full sphere was off by 4.1 %. 0.1 % now, by chance in places. */
+static void full_round_vessels_are_as_dense_as_their_liquid_and_at_rest(void **state) {
+  (void)state;
+  static const char *const words[] = {"--until 0.1", "shape=cylinder tilt=0.3 --until 0.1"};
+  for (int k = 0; k < 2; k++) {
+    run_vessel(words[k]);
+    double off = test_json(r.out, "volume_drift"), fastest = test_json(r.out, "fastest");
+    if (!(fabs(off) < 5e-3)) fail_msg("%s: off by %.5f", words[k], off);
+    if (!(fastest < 1e-10)) fail_msg("%s: %g m/s", words[k], fastest);
+  }
+}
+
+/* The density there was evened until the liquid of a half full sphere was 7 % larger, its middle 11 mm higher. By the
+ * surface's own level, a hundredth of a cell, and the room's half percent it may be 2 mm. */
+static void a_half_full_round_vessel_keeps_its_volume(void **state) {
+  (void)state;
+  run_vessel("level=0 --until 0.3");
+  double rise = test_json(r.out, "rise");
+  if (!(fabs(rise) < 2e-3)) fail_msg("%.5f m", rise);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_drum_turns_its_liquid_as_fast_as_itself),
       cmocka_unit_test(obstacles_take_no_step_back),
       cmocka_unit_test(memory_is_said_with_the_viscosity),
+      cmocka_unit_test(full_round_vessels_are_as_dense_as_their_liquid_and_at_rest),
+      cmocka_unit_test(a_half_full_round_vessel_keeps_its_volume),
       cmocka_unit_test(a_drop_on_a_wall_does_not_move_into_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
