@@ -7,11 +7,19 @@ local shared = {}
 
 local all = page.shared()
 
+-- Forces within bodies are kept as channels whose names end with their units.
+local function name_and_unit(f)
+  local name, unit = f.name:match("^(%S+) (%S+)$")
+  if f.kind == "channel" and (unit == "N" or unit == "N/m" or unit == "Pa") then return name:gsub("_", " "), unit end
+  return f.name
+end
+
 -- A field of a frame, { kind =, name =, components = }, as a page has it.
 function shared.field(f)
   local kind, own = all.fields[f.kind], f.kind ~= f.name
-  return { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or f.name,
-    components = f.components, unit = kind.unit, painted = kind.painted, map = kind.map }
+  local label, unit = name_and_unit(f)
+  return { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or label,
+    components = f.components, unit = unit or kind.unit, painted = kind.painted, map = kind.map }
 end
 
 -- For the data of a page, whose packed text `out` takes.
