@@ -271,8 +271,8 @@ static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_e
   if (!list || values->count == 1 || (values->count == 0 && !given)) return HK_OK;
   const hk_tuples *tuples = hk_param_in(list, spec->values);
   if (values->count == tuples->count) return HK_OK;
-  return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s", spec->label, p->name, values->count,
-                      tuples->count, list->name);
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s: give one, or one for each", spec->label,
+                      p->name, values->count, tuples->count, list->name);
 }
 
 /* For the plugin an empty list is as one that is left out, which may mean all. */
