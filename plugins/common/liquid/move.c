@@ -79,8 +79,8 @@ static double mean_of_wet(const hk_liquid_grid *g, int a, size_t i, double own) 
 /* Faces just beyond the surface that carry particles have felt forces and no pressure: they lag behind the liquid, and
  * made a wave 0.6 % too slow with 64 cells in its length. They are to get the velocity of the liquid beside them, as
  * all others there; those that one with a viscosity has across an edge or a corner get the mean of these faces: with
- * the velocity of a step of free fall they took the edges of a solid block down by 4 cells in a second, and the faster
- * the longer the steps. Those of drops that fly by themselves keep their own. */
+ * the velocity of a step of free fall they took the edges of a solid block down by up to 7 cells in a second (steps of
+ * 33 ms), and the faster the longer the steps. Those of drops that fly by themselves keep their own. */
 static void forget_rows(void *context, size_t begin, size_t end, size_t piece) {
   const task *t = context;
   hk_liquid_grid *g = &t->l->grid;
