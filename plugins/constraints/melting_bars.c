@@ -7,6 +7,7 @@
  * equation and its derivatives are in plugins/common/lengths. A bar does no work, so that its end takes and gives no
  * energy; when it ends is known to a step. Impulses of contact are no tension. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/elements/breakage.h"
 #include "plugins/common/lengths/lengths.h"
 
 typedef struct melting_bars {
@@ -84,6 +85,11 @@ static void keep(melting_bars *b) {
   b->solid.edges.count = kept;
 }
 
+static void lost(const void *self, hk_lost_elements *out) {
+  const melting_bars *b = self;
+  *out = (hk_lost_elements){b->all.edges, b->gone, 1};
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   melting_bars *b = self;
   size_t n = b->all.edges.count + 2; /* two at least, so that the lengths are a list */
@@ -100,7 +106,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_NO_MEMORY, "no memory for %zu bars", b->all.edges.count);
   melt(b, view);
   keep(b);
-  return HK_OK;
+  return hk_breakage_enter(host, &(hk_breakable){lost, self});
 }
 
 static hk_status topology(void *self, const hk_view *view) {

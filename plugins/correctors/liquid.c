@@ -53,7 +53,9 @@ typedef struct liquid {
 
 enum { NO_SLIP, FREE_SLIP };
 
-static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
+static const double most_drift = 0.01; /* of the volume, in a run that is ok */
+static const double most_passed =
+    2.01; /* cells, by particle or wave: after 1.5 s a slosh in 32 cells is 6 % off then */
 static const double most_leaked = 0.01;    /* of all the mass that was the liquid */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
 static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
@@ -91,7 +93,8 @@ static const hk_param params[] = {
     {"even", "", "whether places that are denser or thinner than the liquid are evened, which keeps its volume",
      .boolean = HK_AT(liquid, even), .initial = {1}},
     {"courant", "",
-     "cells that a particle, or a wave as long as the liquid is deep, passes in a step, at most: steps are that short",
+     "cells that a particle, or a wave as long as the liquid is deep, passes in a step, at most: steps are that short; "
+     "waves that viscosity holds back count as they creep",
      .number = HK_AT(liquid, courant), .initial = {0.5}, .limits = HK_ABOVE_TO(0, 20)},
     {"tolerance", "", "divergence that is left, by the largest before", .number = HK_AT(liquid, tolerance),
      .initial = {1e-8}, .limits = HK_ABOVE_TO(0, 0.1)},
@@ -114,6 +117,9 @@ static const hk_field fields[] = {
     {"pull_y", .number = HK_AT(liquid, pace.pull[1])},
     {"pull_z", .number = HK_AT(liquid, pace.pull[2])},
     {"passed", .number = HK_AT(liquid, pace.passed)},
+    {"gain", .number = HK_AT(liquid, pace.gain)},
+    {"wave", .number = HK_AT(liquid, pace.wave)},
+    {"waved", .number = HK_AT(liquid, pace.waved)},
     {"held", .number = HK_AT(liquid, balance.held)},
     {"came", .number = HK_AT(liquid, balance.came)},
     {"went", .number = HK_AT(liquid, balance.went)},
@@ -189,14 +195,15 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->density = s->density;
   m->flip = s->flip;
   m->tolerance = s->tolerance;
-  m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && (s->viscosity > 0 || s->viscosity_of);
+  m->viscous = s->viscosity > 0 || s->viscosity_of;
+  m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && m->viscous;
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
       (hk_liquid_viscosity){.viscosity = s->viscosity, .tolerance = s->tolerance, .slip = s->walls == FREE_SLIP};
   double cell = s->cell;
   if (isnan(cell)) cell = hk_liquid_default_cell(view, s->index, s->count, s->density, s->low, s->high);
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
-  if (status == HK_OK && (s->viscosity > 0 || s->viscosity_of))
+  if (status == HK_OK && m->viscous)
     status =
         hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid), 1e9 * s->memory);
   if (status == HK_OK) status = hk_liquid_check_start(m, view, s->index, s->count);
@@ -205,6 +212,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     status = hk_cell_viscosity_open(host, view->model, s->viscosity_of, s->viscosity, m->grid.size, &s->viscosities,
                                     &s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
+  if (status == HK_OK && s->viscosities)
+    s->pace.column = host->allocate(host, 2 * hk_liquid_columns(&m->grid) * sizeof *s->pace.column);
+  if (status == HK_OK && s->viscosities && !s->pace.column)
+    status = host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", m->grid.size);
   if (status == HK_OK)
     status = hk_liquid_bodies_open(&m->bodies, host, view, m->grid.size,
                                    (const double[]){m->grid.flat[0], m->grid.flat[1], m->grid.flat[2]});
@@ -215,6 +226,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->obstacles = m->obstacles->count;
   s->reached = view->t;
   s->drift = NAN;
+  s->pace.gain = INFINITY;
   hk_liquid_warn_of_walls(m);
   return hk_liquid_open(m, host, s->count);
 }
@@ -243,11 +255,13 @@ static void note_drift(liquid *s) {
   if (s->method.inside > enough_cells) s->drift = isnan(s->drift) ? now : s->drift + weight * (now - s->drift);
 }
 
+static bool is_too_fast(const liquid *s, double courant) { return courant > beyond_foretold * s->courant; }
+
 /* Once a run. */
 static void say(liquid *s, const hk_view *view, double courant) {
   if (s->said) return;
   double off = density_off(s);
-  if (courant > beyond_foretold * s->courant && ++s->said)
+  if (is_too_fast(s, courant) && ++s->said)
     s->host->warn(s->host,
                   "particles of the liquid pass %.3g cells in a step at t = %g s, and the step cannot be "
                   "shorter: take a smaller --dt, or larger cells",
@@ -257,25 +271,6 @@ static void say(liquid *s, const hk_view *view, double courant) {
                   "within the liquid the density is off by %.3g %% at t = %g s, and so is its volume: take "
                   "shorter steps, more particles, or a `density` and masses that fill the space they are in",
                   100 * off, view->t);
-}
-
-/* The particles are where they were before the step, with the velocities that forces have given them in it. */
-static void begin(liquid *s, hk_correction *c) {
-  for (size_t k = 0; k < s->count; k++) {
-    size_t i = 3 * (size_t)s->index[k];
-    memcpy(s->came[k], c->x + i, 3 * sizeof(double));
-    memcpy(s->came[k] + 3, c->v + i, 3 * sizeof(double));
-    memcpy(c->x + i, c->x_before + i, 3 * sizeof(double));
-  }
-}
-
-static bool changed(const liquid *s, const hk_correction *c) {
-  for (size_t k = 0; k < s->count; k++) {
-    size_t i = 3 * (size_t)s->index[k];
-    if (memcmp(s->came[k], c->x + i, 3 * sizeof(double)) || memcmp(s->came[k] + 3, c->v + i, 3 * sizeof(double)))
-      return true;
-  }
-  return false;
 }
 
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
@@ -289,7 +284,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, NULL, 18};
   double courant = hk_liquid_courant(m, &p, c->h);
   hk_liquid_pull_between(&s->pace, &p, c->v_before, c->h);
-  if (courant > beyond_foretold * s->courant && !c->last) {
+  if (is_too_fast(s, courant) && !is_viscous(s) && !c->last) {
     c->reject = true;
     return HK_OK;
   }
@@ -298,7 +293,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->reached = view->t;
   double *after = s->affine + (s->slot ? 9 : 0);
   p.affine = s->affine + (s->slot ? 0 : 9);
-  begin(s, c);
+  hk_liquid_step_back(&p, c, s->came);
   double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
@@ -320,15 +315,24 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (status != HK_OK) return status;
   hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
+  if (is_viscous(s)) { /* what forces alone would have made of it says nothing */
+    courant = hk_liquid_courant(m, &p, c->h);
+    if (is_too_fast(s, courant) && !c->last) {
+      c->reject = true;
+      return HK_OK;
+    }
+    hk_liquid_gain(&s->pace, &p, c->v_before, c->h);
+  }
   bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
   status = hk_thin_walls_end(&m->thin, &m->grid, c, 1 + (int)ceil(courant), &moved);
   if (status != HK_OK) return status;
   hk_liquid_move(m, &p, c->h);
   hk_liquid_balance_leak(&s->balance, m, &p, again);
-  c->changed = moved || changed(s, c);
+  c->changed = moved || hk_liquid_differs(&p, s->came);
   s->off = fmax(s->off, fabs(density_off(s)));
   s->left = fmax(s->left, m->left * c->h);
   s->pace.passed = fmax(s->pace.passed, courant);
+  hk_liquid_note_wave(m, &s->pace, c->h);
   note_drift(s);
   say(s, view, courant);
   return HK_OK;
@@ -338,7 +342,9 @@ static double longest_step(void *self, const hk_view *view, const double *a) {
   liquid *s = self;
   const hk_liquid_particles p = particles_at(s, view);
   if (a) hk_liquid_pull(&s->pace, &p, a);
-  return hk_liquid_longest_step(&s->method, &s->pace, &p, s->courant, s->tension);
+  const hk_liquid_thickness thickness = {s->viscosities ? *s->viscosities : NULL, s->viscosity};
+  s->pace.wave = hk_liquid_wave(&s->method, &s->pace, &p, thickness);
+  return hk_liquid_longest_step(&s->method, &s->pace, &p, s->courant, s->tension, s->pace.wave, is_viscous(s));
 }
 
 static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
@@ -346,7 +352,7 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   const hk_liquid_particles p = particles_at(s, view);
   figure[0] = (hk_own_figure){"volume_drift", "", s->drift, most_drift};
   figure[1] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
-  figure[2] = (hk_own_figure){"courant", "cells", s->pace.passed, INFINITY};
+  figure[2] = (hk_own_figure){"courant", "cells", fmax(s->pace.passed, s->pace.waved), most_passed};
   const hk_liquid_balance *b = &s->balance;
   figure[3] = (hk_own_figure){"in_walls", "particles", (double)hk_liquid_count_beyond(&s->method, &p), 0};
   double all = b->held + b->went; /* kg, what was ever in it */

@@ -3,13 +3,16 @@
  *     m_i dh_i/dt = sum over j of g_ij (theta_j - theta_i),
  * with theta the integral of the conductivity over the temperature (plugins/common/heat/heat_law.h) and g_ij a length
  * by the shape of the elements at the start (heat_paths.h): what moves carries its heat and keeps its ways, as cloth,
- * bars and solids do. The sum of m h is kept to rounding by explicit methods, and to their tolerance by implicit ones.
- * It is no force: it adds nothing to F.
+ * bars and solids do. Edges and triangles that are gone as elements of other plugins, molten, torn or broken, conduct
+ * no more from the next step on, by the rules of the scene's surface: a triangle without one of its sides does not, and
+ * an edge that only held such triangles together. The sum of m h is kept to rounding by explicit methods, and to their
+ * tolerance by implicit ones. It is no force: it adds nothing to F.
  *
  * Of order 2 in space where nothing melts, and of order 1 at melting fronts, whose place is the sum of what is molten.
  * Steps are at most 0.9 m_i/(sum |g_ij| dtheta/dh) of any particle: twice the inverse bounds all rates (Gershgorin), so
  * explicit methods are stable, and no explicit Euler step makes anything warmer than the warmest. */
 #include "plugins/common/channels/no_force.h"
+#include "plugins/common/elements/breakage.h"
 #include "plugins/common/heat/heat_channel.h"
 #include "plugins/common/heat/heat_law.h"
 #include "plugins/common/heat/heat_paths.h"
@@ -30,6 +33,8 @@ typedef struct conduction {
   double *potential, *flow;                                   /* n, W/m and J/(kg s) */
   double *is_held;                                            /* n, 0 or 1 */
   hk_heat_paths paths;
+  const hk_breakage *breakage;
+  size_t known;   /* elements of the run that are gone, as `paths` has it */
   double densest; /* m/kg */
   double start;   /* J, what nothing from outside gave, when the run began or particles last came or went */
 } conduction;
@@ -146,16 +151,38 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
 
 /* ---- the plugin ---- */
 
+/* The ways of those elements that are there. */
+static hk_status build(conduction *s, const hk_view *view) {
+  const hk_host *host = view->host;
+  s->known = hk_breakage_count(s->breakage);
+  bool *gone = host->allocate(host, s->edges.count + s->triangles.count + 1);
+  if (!gone) return host->fail(host, HK_NO_MEMORY, "no memory for the heat of %zu particles", view->n);
+  bool *torn = gone + s->edges.count;
+  hk_status status = hk_breakage_mark(s->breakage, host, &s->edges, gone);
+  if (status == HK_OK) status = hk_breakage_mark(s->breakage, host, &s->triangles, torn);
+  const hk_heat_elements list[] = {{&s->edges, s->edge_length, gone},
+                                   {&s->triangles, s->triangle_length, torn},
+                                   {&s->tetrahedra, s->tetrahedron_length, NULL}};
+  if (status == HK_OK) status = hk_heat_paths_build(&s->paths, view, list, 3);
+  host->release(host, gone);
+  if (status == HK_OK) s->densest = hk_heat_paths_densest(&s->paths, view);
+  return status;
+}
+
+/* At the start of every step: what other plugins have lost since. */
+static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
+  conduction *s = self;
+  (void)x_to, (void)pattern_changed;
+  return hk_breakage_count(s->breakage) == s->known ? HK_OK : build(s, from);
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   conduction *s = self;
-  const hk_heat_elements list[] = {
-      {&s->edges, s->edge_length}, {&s->triangles, s->triangle_length}, {&s->tetrahedra, s->tetrahedron_length}};
-  hk_status status = hk_heat_paths_build(&s->paths, view, list, 3);
+  hk_status status = build(s, view);
   if (status == HK_OK) status = check_masses(s, view);
   if (status != HK_OK) return status;
   memset(s->is_held, 0, view->n * sizeof *s->is_held);
   for (size_t k = 0; k < s->held.count; k++) s->is_held[*hk_tuple(&s->held, k)] = 1;
-  s->densest = hk_heat_paths_densest(&s->paths, view);
   find_temperatures(s, view);
   if (s->heat.given) s->start = hk_heat_kept(&s->heat, view, &(double){0});
   return HK_OK;
@@ -164,6 +191,8 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   conduction *s = self;
   hk_status status = check_lists(s, host);
+  s->breakage = host->query(host, HK_BREAKAGE_INTERFACE);
+  if (!s->breakage) return HK_FAILED;
   if (status == HK_OK) status = hk_heat_law_check(&s->law, host);
   if (status == HK_OK) status = hk_heat_channel_find(&s->heat, host, view->model);
   if (status == HK_OK) status = shape(view, &s->edges, &s->section, s->edge_length);
@@ -178,7 +207,8 @@ static const hk_force force = {
     .add = hk_no_force,
     .energy = hk_no_energy,
     .rates = rates,
-    .facets = HK_FACETS(HK_NO_BLOCKS, HK_BOUNDS_FACET(.longest_step = longest_step), HK_FIGURES_FACET(.list = figures)),
+    .facets = HK_FACETS(HK_NO_BLOCKS, HK_BOUNDS_FACET(.longest_step = longest_step), HK_STEPS_FACET(.update = update),
+                        HK_FIGURES_FACET(.list = figures)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -97,6 +97,18 @@ static double longest_step(void *self, const hk_view *view) {
   return rate > 0 ? part / rate : INFINITY;
 }
 
+/* What touches the surroundings has a surface. */
+static hk_status check_area(const heating *s, const hk_host *host) {
+  double most = 0;
+  if (s->area.count == 0)
+    return host->fail(host, HK_BAD_PARAM, "area: the list is empty: give one number, or one for each of `particles`");
+  for (size_t k = 0; k < s->area.count; k++) most = fmax(most, s->area.value[k]);
+  if (!(most > 0) && (s->convection > 0 || s->emissivity > 0))
+    host->warn(host, "area: it is 0, and so is what goes by it, convection and radiation: give the surface of a "
+                     "particle, m^2");
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   heating *s = self;
   hk_status status = hk_heat_law_check(&s->law, host);
@@ -104,6 +116,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM,
                       "reach: a shape heats what is near: give `reach`, the distance from it in metres");
   if (status == HK_OK && !isnan(s->reach)) status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
+  if (status == HK_OK) status = check_area(s, host);
   return status == HK_OK ? hk_heat_channel_find(&s->heat, host, view->model) : status;
 }
 

@@ -11,6 +11,7 @@
  * dissipated then. So the energy balance closes to the order of the method, and the softening itself is of order 1. */
 #include "plugins/common/channels/find_channel.h"
 #include "plugins/common/channels/softening.h"
+#include "plugins/common/elements/breakage.h"
 #include "plugins/common/membranes/membrane.h"
 
 enum { LOST, GONE, VARIABLES };                                   /* per triangle: 1 - s; 0 or 1 */
@@ -141,7 +142,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     q[GONE] = q[LOST] >= 1;
     soften(m, k);
   }
-  return HK_OK;
+  return hk_breakage_enter(host, &(hk_breakable){lost, self});
 }
 
 /* Of the cold sheet, which any may be again; it has no elements, so nothing of it counts as damped by them. */

@@ -10,6 +10,7 @@
  * method, and the softening itself is of order 1. */
 #include "plugins/common/channels/find_channel.h"
 #include "plugins/common/channels/softening.h"
+#include "plugins/common/elements/breakage.h"
 #include "plugins/common/springs/edge_laws.h"
 #include "plugins/kit/springs/edge.h"
 
@@ -102,6 +103,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     q[LOST] = softened(s, view, hk_tuple(&s->laws.edges, e));
     q[GONE] = q[LOST] >= 1;
   }
+  if (status == HK_OK) status = hk_breakage_enter(host, &(hk_breakable){lost, self});
   return status == HK_OK ? hk_edge_laws_topology(self, view) : status;
 }
 

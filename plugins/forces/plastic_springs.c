@@ -9,6 +9,7 @@
  *
  * A spring whose strain (l - L)/L is above `breaking` after a step is gone: what it stored is dissipated, and its force
  * ends within a step, so that the time of the break is known to a step. */
+#include "plugins/common/elements/breakage.h"
 #include "plugins/common/springs/edge_laws.h"
 #include "plugins/kit/springs/edge.h"
 
@@ -114,6 +115,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->laws.law = law;
   s->laws.stiffest = stiffest;
   s->laws.gone = gone;
+  if (status == HK_OK) status = hk_breakage_enter(host, &(hk_breakable){lost, self});
   return status == HK_OK ? hk_edge_laws_topology(self, view) : status;
 }
 

@@ -2,7 +2,7 @@
 -- wax is a liquid that is so viscous when it is solid that it stands. Colours are the enthalpy: solid below 0, molten above
 -- 200 kJ/kg.
 local filling, heat = require("filling"), require("heat")
-local cell = param("cell", 0.012, "of the grid, m", { min = 0.004, max = 0.02 })
+local cell = param("cell", 0.012, "of the grid, m", { min = 0.0015, max = 0.02 })
 local power = param("power", 4000, "of the lamp, W", { min = 0 })
 local duration = param("duration", 4, "s", { min = 0 })
 local density, half, top = 780, 0.06, 0.14 -- kg/m^3; m, of the plate's side; of the box

@@ -24,19 +24,18 @@ static hk_status check_number(const char *label, const hk_param *p, double value
   if (position) snprintf(place, sizeof place, "[%zu]", position);
   const char *space = *p->unit ? " " : "";
   if (!isfinite(value))
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g is not a finite number", label, p->name, place, value);
+    return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g is not a finite number: give one", label, p->name, place,
+                        value);
   const hk_range *l = &p->limits;
-  if (l->kind == HK_NO_LIMITS) return HK_OK;
-  if (value < l->least)
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g%s%s is below the minimum %g", label, p->name, place, value,
-                        space, p->unit, l->least);
-  if (value == l->least && l->kind == HK_LEAST_EXCLUDED)
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: must be above %g%s%s", label, p->name, place, l->least, space,
-                        p->unit);
-  if (value > l->most)
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g%s%s is above the maximum %g", label, p->name, place, value,
-                        space, p->unit, l->most);
-  return HK_OK;
+  bool excluded = l->kind == HK_LEAST_EXCLUDED, low = value < l->least || (excluded && value == l->least);
+  if (l->kind == HK_NO_LIMITS || !(low || value > l->most)) return HK_OK;
+  const char *relation = !low ? "above the maximum" : excluded ? "not above" : "below the minimum";
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g%s%s is %s %g: give %s%s", label, p->name, place, value, space,
+                      p->unit, relation, low ? l->least : l->most,
+                      !low       ? "that or less"
+                      : excluded ? "more"
+                                 : "that or more",
+                      p->flags & HK_OPTIONAL ? ", or leave it out" : "");
 }
 
 hk_status hk_param_check_list(const char *label, const hk_param *p, const double *list, size_t count, hk_error *error) {
@@ -272,8 +271,8 @@ static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_e
   if (!list || values->count == 1 || (values->count == 0 && !given)) return HK_OK;
   const hk_tuples *tuples = hk_param_in(list, spec->values);
   if (values->count == tuples->count) return HK_OK;
-  return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s", spec->label, p->name, values->count,
-                      tuples->count, list->name);
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s: give one, or one for each", spec->label,
+                      p->name, values->count, tuples->count, list->name);
 }
 
 /* For the plugin an empty list is as one that is left out, which may mean all. */

@@ -14,7 +14,9 @@ static inline hk_status hk_find_channel(const hk_host *host, const hk_model *mod
     if (strcmp(channel->name, name) != 0) continue;
     *found = channel;
     if (size == 0 || channel->size == size) return HK_OK;
-    return host->fail(host, HK_BAD_PARAM, "%s: the channel '%s' has %zu numbers per particle, wanted are %zu",
+    return host->fail(host, HK_BAD_PARAM,
+                      "%s: the channel '%s' has %zu numbers per particle, wanted are %zu: "
+                      "declare one of that size",
                       wanted_by, name, channel->size, size);
   }
   return host->fail(host, HK_BAD_PARAM,

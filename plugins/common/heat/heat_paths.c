@@ -51,11 +51,11 @@ hk_status hk_heat_shape(const hk_view *view, const hk_tuples *list, size_t which
 
 /* ---- rows ---- */
 
-static bool acts(const hk_view *view, const hk_tuples *list, size_t k) {
-  const uint32_t *node = hk_tuple(list, k);
-  for (unsigned m = 0; m < list->arity && view->is_active; m++)
+static bool acts(const hk_view *view, const hk_heat_elements *list, size_t k) {
+  const uint32_t *node = hk_tuple(list->node, k);
+  for (unsigned m = 0; m < list->node->arity && view->is_active; m++)
     if (!view->is_active[node[m]]) return false;
-  return true;
+  return !list->gone || !list->gone[k];
 }
 
 /* Counts the ways of particle i in start[i + 1]; then, with `fill`, enters them behind start[i], which moves on. */
@@ -63,7 +63,7 @@ static void visit(hk_heat_paths *p, const hk_view *view, const hk_heat_elements 
   size_t ways = hk_heat_ways(e->node->arity);
   for (size_t k = 0; k < e->node->count; k++) {
     const uint32_t *node = hk_tuple(e->node, k);
-    for (size_t w = 0; w < ways && acts(view, e->node, k); w++)
+    for (size_t w = 0; w < ways && acts(view, e, k); w++)
       for (int end = 0; end < 2; end++) {
         uint32_t i = node[way_end[w][end]];
         if (!fill) {

@@ -15,6 +15,7 @@
 typedef struct hk_heat_elements {
   const hk_tuples *node;
   const double *length;
+  const bool *gone; /* count: it is no more, and no heat passes it; NULL: all are there */
 } hk_heat_elements;
 
 static inline size_t hk_heat_ways(unsigned arity) { return arity * (arity - 1) / 2; }
@@ -31,7 +32,7 @@ typedef struct hk_heat_paths {
   double *length;  /* start[n], m */
 } hk_heat_paths;
 
-/* Of all elements whose particles all act. HK_NO_MEMORY. */
+/* Of all elements that are there and whose particles all act. HK_NO_MEMORY. */
 hk_status hk_heat_paths_build(hk_heat_paths *, const hk_view *view, const hk_heat_elements *list, size_t lists);
 /* rate[i] += sum of g (theta_j - theta_i)/m_i, J/(kg s), for the acting particles; potential: n, W/m. Rows are summed
  * in their order, so threads leave no trace. */

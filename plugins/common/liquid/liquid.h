@@ -49,6 +49,7 @@ typedef struct hk_liquid {
   uint32_t *cell;     /* most: of each place in the list */
   bool *through;      /* most: of each place in the list: it passed an obstacle in the last step */
   size_t most;        /* particles that there is memory for */
+  bool viscous;       /* it has a viscosity, and drops hang together with it */
   bool sticks;        /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
@@ -98,6 +99,10 @@ hk_status hk_liquid_even(hk_liquid *, double part);
 /* Velocities beyond the liquid, and in walls, from the nearest ones that are known, in so many layers of cells; those
  * just beyond the surface are taken from the liquid, too, as no pressure has acted on what particles gave them. */
 void hk_liquid_extend(hk_liquid *, int layers);
+/* The particles are where they were before the step, with the velocities that forces have given them in it; came, by
+ * the order of the list: m and m/s, as they came, by which hk_liquid_differs knows whether they have changed. */
+void hk_liquid_step_back(const hk_liquid_particles *, hk_correction *, double (*came)[6]);
+bool hk_liquid_differs(const hk_liquid_particles *, double (*came)[6]);
 /* Velocities of the particles from the grid, and the affine part, laid out as that of before; `full`, n: the part of
  * the density. */
 void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, double *full);

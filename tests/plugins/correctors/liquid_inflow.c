@@ -70,7 +70,7 @@ static const struct {
     {"low = { 0, 0, 0.3 }, high = { 0, 0, 0.2 }", "give the upper corner"},
     {"low = { 0, 0, 0.2 }, high = { 0, 0, 0.2 }", "are one point, and nothing comes through it"},
     {"low = { 0, 0, 0.2 }, high = { 0, 0, 0.205 }", "take smaller cells, or a wider one"},
-    {"low = { 0, 0, 0 }, high = { 0, 0, 0.2 }, speed = 0", "speed: must be above 0 m/s"},
+    {"low = { 0, 0, 0 }, high = { 0, 0, 0.2 }, speed = 0", "speed: 0 m/s is not above 0: give more"},
     {"low = { 0, 0, 0 }, high = { 0, 0, 0.2 }, from = 1, to = 0.5", "to: 0.5 s is not after from: 1 s"},
     {"low = { 0, 0, 0 }, high = { 0, 0, 0.2 }, channel = 'salt'", "the scene has no channel 'salt'"},
     {"low = { 0.012, 0, 0 }, high = { 0.012, 0, 0.2 }", "is on no face of the grid"},

@@ -11,14 +11,8 @@
 
 static const double cell = 0.05, latent = 3e5;
 
-/* A plane block of 0.3 m, at the height z, under gravity. Its enthalpy is h. */
-static hk_plugin_spec *block(test_engine *e, double h, double z) {
-  test_engine_open(e);
-  e->options.integrator = "symplectic_euler";
-  assert_int_equal(hk_scene_add_channel(e->scene, "enthalpy", 1, &h, NAN, NULL, &e->error), HK_OK);
-  for (int i = 0; i < 12; i++)
-    for (int k = 0; k < 12; k++)
-      test_particle(e, 0.35 + (i + 0.5) * cell / 2, 0, z + (k + 0.5) * cell / 2, 1000 * cell * cell * cell / 4);
+/* Gravity, and a corrector in a plane box for what melts, 1e7 Pa s when it is solid. */
+static hk_plugin_spec *add_melt(test_engine *e) {
   hk_plugin_spec *gravity = test_plugin(e, HK_FORCE, "gravity"), *melt = test_plugin(e, HK_FORCE, "melt");
   test_vector(e, gravity, "g", 0, 0, -9.81);
   test_text(e, melt, "channel", "enthalpy");
@@ -33,6 +27,17 @@ static hk_plugin_spec *block(test_engine *e, double h, double z) {
   test_number(e, liquid, "cell", cell);
   test_text(e, liquid, "viscosity_of", "melt");
   return liquid;
+}
+
+/* A plane block of 0.3 m, at the height z, under gravity. Its enthalpy is h. */
+static hk_plugin_spec *block(test_engine *e, double h, double z) {
+  test_engine_open(e);
+  e->options.integrator = "symplectic_euler";
+  assert_int_equal(hk_scene_add_channel(e->scene, "enthalpy", 1, &h, NAN, NULL, &e->error), HK_OK);
+  for (int i = 0; i < 12; i++)
+    for (int k = 0; k < 12; k++)
+      test_particle(e, 0.35 + (i + 0.5) * cell / 2, 0, z + (k + 0.5) * cell / 2, 1000 * cell * cell * cell / 4);
+  return add_melt(e);
 }
 
 /* From rest all particles fall alike, to the rounding of a matrix whose numbers are h mu/(rho cell^2) = 3e4. */
@@ -117,6 +122,53 @@ static void what_is_molten_spreads(void **state) {
   assert_true(solid < 0.31 && slush < molten && molten > 0.6);
 }
 
+enum { ROW = 8, ALL = ROW * ROW * ROW };
+
+/* m: the farthest that a particle of a solid block of 4 x 4 x 4 cells on a floor has moved in half a second; *steps:
+ * how many it took. */
+static double moved(double courant, int64_t *steps) {
+  test_engine e;
+  double h = -1e4, most = 0;
+  test_engine_open(&e);
+  e.options.integrator = "symplectic_euler";
+  assert_int_equal(hk_scene_add_channel(e.scene, "enthalpy", 1, &h, NAN, NULL, &e.error), HK_OK);
+  for (int i = 0; i < ROW; i++)
+    for (int j = 0; j < ROW; j++)
+      for (int k = 0; k < ROW; k++)
+        test_particle(&e, 0.1 + (i + 0.5) * cell / 2, 0.1 + (j + 0.5) * cell / 2, (k + 0.5) * cell / 2,
+                      1000 * cell * cell * cell / 8);
+  hk_plugin_spec *liquid = add_melt(&e);
+  test_vector(&e, liquid, "high", 0.4, 0.4, 0.4);
+  test_number(&e, liquid, "courant", courant);
+  e.scene->fps = 20;
+  e.scene->duration = 1;
+  test_run(&e);
+  test_advance(&e, 0.5);
+  for (uint32_t id = 1; id <= ALL; id++) {
+    const double *x = e.scene->particles.position + 3 * (size_t)(id - 1), *y = test_position(&e, id);
+    most =
+        fmax(most, sqrt((y[0] - x[0]) * (y[0] - x[0]) + (y[1] - x[1]) * (y[1] - x[1]) + (y[2] - x[2]) * (y[2] - x[2])));
+  }
+  hk_summary s;
+  hk_run_summary(e.run, &s);
+  *steps = (int64_t)s.steps;
+  test_engine_close(&e);
+  return most;
+}
+
+/* Its particles creep by less than rho g H^2/mu t = 2e-5 m, in steps that are as long as a frame but for the first
+ * ones, and with a courant of 8 as with 0.5. Those along its upright edges fell down by centimetres, and by the more
+ * the longer the steps. */
+static void a_solid_on_a_floor_keeps_its_edges(void **state) {
+  (void)state;
+  const double creeping = 1000 * 9.81 * 0.2 * 0.2 / 1e7 * 0.5;
+  int64_t few, many;
+  double usual = moved(0.5, &many), large = moved(8, &few);
+  printf("solid: %.2g m in %d steps, %.2g m in %d, creeping to %.2g m\n", usual, (int)many, large, (int)few, creeping);
+  assert_true(usual < creeping && large < creeping);
+  assert_true(many <= 14 && few <= many);
+}
+
 static void refuses(test_engine *e, const char *sentence) {
   assert_int_equal(hk_run_open(e->scene, &e->options, &e->run, &e->error), HK_BAD_PARAM);
   if (!strstr(e->error.text, sentence)) fail_msg("'%s' is not in: %s", sentence, e->error.text);
@@ -170,9 +222,9 @@ static void what_a_sheet_lets_go_is_liquid(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_a_sheet_lets_go_is_liquid), cmocka_unit_test(what_is_solid_falls_freely),
-      cmocka_unit_test(what_is_solid_turns_as_a_whole), cmocka_unit_test(what_is_molten_spreads),
-      cmocka_unit_test(what_does_not_fit_is_refused),
+      cmocka_unit_test(what_a_sheet_lets_go_is_liquid),     cmocka_unit_test(what_is_solid_falls_freely),
+      cmocka_unit_test(what_is_solid_turns_as_a_whole),     cmocka_unit_test(what_is_molten_spreads),
+      cmocka_unit_test(a_solid_on_a_floor_keeps_its_edges), cmocka_unit_test(what_does_not_fit_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,6 +151,27 @@ static void refuses(const char *name, double value, const char *sentence) {
   test_engine_close(&e);
 }
 
+/* An empty list of areas is refused, and convection without a surface is said to do nothing. */
+static void a_surface_is_asked_for(void **state) {
+  (void)state;
+  test_engine e;
+  hk_plugin_spec *spec = body(&e, 400);
+  test_list(&e, spec, "area", (double[]){0}, 0);
+  assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
+  assert_non_null(strstr(e.error.text, "area: the list is empty: give one number"));
+  test_engine_close(&e);
+  for (int k = 0; k < 2; k++) {
+    spec = body(&e, 400);
+    test_number(&e, spec, "convection", 40);
+    if (k) test_number(&e, spec, "area", area);
+    test_run(&e);
+    hk_summary s;
+    hk_run_summary(e.run, &s);
+    assert_int_equal(s.warnings, k ? 0 : 1);
+    test_engine_close(&e);
+  }
+}
+
 static void what_cannot_be_is_refused(void **state) {
   (void)state;
   refuses("solidus", 300, "latent: what melts takes heat for it: give `latent` in J/kg");
@@ -165,6 +186,7 @@ int main(void) {
       cmocka_unit_test(a_source_melts_in_its_time),
       cmocka_unit_test(each_particle_has_its_own_area),
       cmocka_unit_test(a_moving_ball_heats_what_it_passes),
+      cmocka_unit_test(a_surface_is_asked_for),
       cmocka_unit_test(what_cannot_be_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -42,7 +42,7 @@ static void wrong_tuples_are_refused_by_the_list_and_the_place(void **state) {
 
 static void counts_that_differ_name_the_list_they_go_with(void **state) {
   (void)state;
-  refused("triangles = g:triangles(), k = {1, 2, 3}", "skin: k has 3 numbers for 4 triangles");
+  refused("triangles = g:triangles(), k = {1, 2, 3}", "skin: k has 3 numbers for 4 triangles: give one, or one for each");
   refused("triangles = {{1, 2, 4}}, k = 1, edges = {{1, 2}, {2, 3}}, edge_k = {1, 2, 3}",
           "skin: edge_k has 3 numbers for 2 edges");
   refused("triangles = {{1, 2, 4}}, k = 1, edge_k = {1, 2}", "skin: edge_k has 2 numbers for 0 edges");
