@@ -5,7 +5,7 @@ local cell = param("cell", 0.005, "of the grid, m", { min = 0.0025, max = 0.006 
 local flow = param("flow", 2e-4, "of the jet, m^3/s", { min = 5e-5, max = 4e-4 })
 local off = param("off", 0.5, "when the jet is turned off, s", { min = 0.05, max = 1 })
 local R, round, deep, wall, bottom, sides = 0.036, 0.03, 0.085, 0.013, 0.014, 48 -- m: within, its round part, depth; wall, floor
-local jet, beside, spout, half, top = 0.011, 0.012, 0.125, 0.06, 0.14 -- m: radius of the jet, off the axis, its height; of the box
+local jet, beside, spout, half, top = 0.011, 0.012, 0.125, 0.065, 0.14 -- m: radius of the jet, off the axis, its height; of the box
 
 local function radius(z) -- m, within, at z above the floor: half an ellipsoid, and a tube above it
   return z < round and R * math.sqrt(math.max(0, 1 - (1 - z / round) ^ 2)) or R

@@ -1,15 +1,11 @@
 /* A cell that a wall cuts, as what is open of its parts: PARTS along each axis, whose kernels are linear in them. */
 #include "plugins/common/mac_grid/cut_cells.h"
 
-#include <string.h>
-
 enum { PARTS = 4 /* of a cell along each axis, that a wall leaves open or not */ };
 
 typedef struct cut_cell {
-  size_t i;
   double mean; /* the part of it that has been counted as open */
   double bend; /* m: by how much its centre is farther from the solid than its corners say */
-  double axes; /* that it has a depth along */
   double size; /* m, of its parts */
 } cut_cell;
 
@@ -35,49 +31,43 @@ static size_t kernel_parts(const hk_liquid_grid *g, int c, size_t at, double w[3
   return parts;
 }
 
-/* By how much a part of it is more open than `mean`; f: where its middle is, along the axes. */
-static double part_beyond(const hk_liquid_grid *g, const cut_cell *cut, const double f[3]) {
-  double d = 0;
-  for (size_t b = 0; b < 8; b++) {
-    double weight = 1;
-    size_t corner = cut->i;
-    for (int c = 0; c < 3; c++) {
-      bool far = b >> c & 1;
-      weight *= far ? f[c] : 1 - f[c];
-      corner += far ? g->stride[c] : 0;
-    }
-    d += weight * g->solid[corner];
+static double between(double a, double b, double part) { return a + part * (b - a); }
+
+/* By how much the parts of a row along x are more open than `mean`, as the kernels weigh them; d: m, distances at both
+ * ends of the row; bent: m, what they are curved across it. */
+static void add_row(const cut_cell *cut, size_t parts, double w[3][PARTS], const double d[2], double bent,
+                    double sum[3]) {
+  for (size_t x = 0; x < parts; x++) {
+    double part = ((double)x + 0.5) / (double)parts, bend = parts > 1 ? cut->bend * part * (1 - part) : 0;
+    double beyond = fmin(1, fmax(0, 0.5 + (between(d[0], d[1], part) + bent + bend) / cut->size)) - cut->mean;
+    for (int a = 0; a < 3; a++) sum[a] += w[a][x] * beyond;
   }
-  for (int c = 0; c < 3; c++)
-    if (!g->flat[c]) d += 4 / cut->axes * cut->bend * f[c] * (1 - f[c]);
-  return fmin(1, fmax(0, 0.5 + d / cut->size)) - cut->mean;
 }
 
 void hk_cut_cell_add(hk_liquid_grid *g, const hk_liquid_row *row, size_t i, double mean, double centre) {
-  cut_cell cut = {.i = i, .mean = mean, .bend = centre - hk_cut_cell_distance(g, i)};
-  double w[3][3][PARTS], *room = g->room;
+  cut_cell cut = {mean, centre - hk_cut_cell_distance(g, i), 0};
+  double w[3][3][PARTS], axes = 0, sum[3][3][3] = {0}, *room = g->room;
+  const double *d = g->solid + i;
+  const size_t *s = g->stride;
   size_t n[3];
   for (int c = 0; c < 3; c++) {
     cut.size += g->spacing[c] / (3 * PARTS);
-    cut.axes += !g->flat[c];
+    axes += !g->flat[c];
     n[c] = kernel_parts(g, c, row->cell[c] + (c == hk_liquid_inner(g) ? i - row->first : 0), w[c]);
   }
-  double line[3], plane[3][3], sum[3][3][3] = {0};
+  cut.bend *= 4 / axes; /* of f (1 - f) along each axis, whose sum is axes/4 in the centre */
   for (size_t z = 0; z < n[2]; z++) {
-    memset(plane, 0, sizeof plane);
+    double up = ((double)z + 0.5) / (double)n[2], bent = n[2] > 1 ? cut.bend * up * (1 - up) : 0, plane[3][3] = {0};
+    double low[2] = {between(d[0], d[s[2]], up), between(d[s[0]], d[s[0] + s[2]], up)};
+    double high[2] = {between(d[s[1]], d[s[1] + s[2]], up), between(d[s[0] + s[1]], d[s[0] + s[1] + s[2]], up)};
     for (size_t y = 0; y < n[1]; y++) {
-      memset(line, 0, sizeof line);
-      for (size_t x = 0; x < n[0]; x++) {
-        const double f[3] = {((double)x + 0.5) / (double)n[0], ((double)y + 0.5) / (double)n[1],
-                             ((double)z + 0.5) / (double)n[2]};
-        double beyond = part_beyond(g, &cut, f);
-        for (int a = 0; a < 3; a++) line[a] += w[0][a][x] * beyond;
-      }
+      double part = ((double)y + 0.5) / (double)n[1], bend = n[1] > 1 ? cut.bend * part * (1 - part) : 0, line[3] = {0};
+      double ends[2] = {between(low[0], high[0], part), between(low[1], high[1], part)};
+      add_row(&cut, n[0], w[0], ends, bent + bend, line);
       for (int k = 0; k < 9; k++) plane[k / 3][k % 3] += w[1][k / 3][y] * line[k % 3];
     }
     for (int k = 0; k < 27; k++) sum[k / 9][k / 3 % 3][k % 3] += w[2][k / 9][z] * plane[k / 3 % 3][k % 3];
   }
   for (size_t k = 0; k < 27; k++)
-    room[i + k % 3 * g->stride[0] + k / 3 % 3 * g->stride[1] + k / 9 * g->stride[2] - g->stride[0] - g->stride[1] -
-         g->stride[2]] += sum[k / 9][k / 3 % 3][k % 3];
+    room[i + k % 3 * s[0] + k / 3 % 3 * s[1] + k / 9 * s[2] - s[0] - s[1] - s[2]] += sum[k / 9][k / 3 % 3][k % 3];
 }
