@@ -59,7 +59,7 @@ for _, joint in ipairs { { "knee", -0.2, 0.4 }, { "elbow", 0.1, 0.65 }, { "head"
 end
 lamp:muscles(scene, knots, not rest and start or nil)
 local ground = {} -- columns under both slopes
-for _, part in ipairs { { upper, -0.3, run + 0.14 }, { lower, 0.15, 5 } } do
+for _, part in ipairs { { upper, -0.3, run + 0.14 }, { lower, 0.15, 6.6 } } do
   local at, first, last = table.unpack(part)
   for s = first, last, 0.05 do
     for _, number in ipairs { at.x + s * at.along[1], 0, at.z + s * at.along[3] - 0.545, 0.05, 0.6, 1 } do

@@ -16,7 +16,7 @@ return validation.problem {
   why = "the corners of the optimum are at knots: rounding in the solution for up to 40 values and as many ranges",
   quick = false,
   asks = function(at)
-    return { command = "optimise", words = { "knots=" .. at.n, "--way", "transcription" }, script = ([[
+    return { command = "optimise", words = { "knots=" .. at.n }, script = ([[
       local knots, l = param("knots", 11), %.17g
       local scene = hooke.scene { duration = 1, fps = knots - 1, integrator = "rk4", dt = 1 / (knots - 1) }
       local push = scene:control("push", { knots = knots, help = "N" })

@@ -274,11 +274,11 @@ local function result(state, iterations, ended)
 end
 
 -- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, or min and max, knot } }, those with
--- a value first, evaluate(u, nodes, weights) -> { start, ends, J, H, goals, slopes } (weights nil: without H; false: without J, H and slopes; nodes nil: those of the run), negligible, bounds, most,
--- tolerance, nodes (a guess of the states), guess (where there is none; "still": all as the first one; "run": those of the run),
--- note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on beside these
--- options (iteration, u, nodes, weights, penalty, price), and saved, such a state, from which it goes on. Returns what
--- common/optimise/sqp.lua returns, with u and nodes.
+-- a value first, evaluate(u, nodes, weights) -> { start, ends, J, H, goals, slopes } (weights nil: without H; false: without J, H and
+-- slopes; nodes nil: those of the run), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
+-- "still": all as the first one; "run": those of the run), note(iteration, cost, missing, u), save(state) before each iteration, with
+-- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a
+-- state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
