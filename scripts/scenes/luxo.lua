@@ -18,47 +18,22 @@ local start = {
     -1.7, 0.7, 3.2, 3.8, 1.6, -1.9, -3.9, -4, 0.2, 0.6, 7.1, -6.9, 5.7, 1.3, 2.6 },
 }
 local knots = param("knots", 61)
-local leaves, lands, fades = 0.8, 1.1, 1 / 60 -- s; the floor's hold fades before the jump, and grows after it
+local leaves, lands = 0.8, 1.1 -- s
 local far = param("far", 0.3, "m, how far it jumps")
 local rest = param("rest", false, "muscles that do nothing, to begin with")
 local scene = hooke.scene { duration = 2, fps = 30, integrator = "rk4", dt = 1 / 240 }
-local lamp, masses = {}, {}
-local function point(name, x, z, mass)
-  lamp[#lamp + 1], masses[#masses + 1] = scene:particle { position = { x, 0, z }, mass = mass, group = name }, mass
-  return lamp[#lamp]
-end
-local heel, toe, ankle = point("base", -0.12, 0, 0.3), point("base", 0.12, 0, 0.3), point("base", 0, 0.05, 0.3)
-local knee, elbow, head = point("arm", -0.2, 0.4, 0.15), point("arm", 0.1, 0.65, 0.2), point("head", 0.25, 0.55, 0.4)
-scene:measure("climb", function(s) -- of the centre of mass, of 1.65 kg, m/s
-  local sum = 0
-  for k, id in ipairs(lamp) do sum = sum + masses[k] * s:velocity(id)[3] / 1.65 end
-  return sum
-end)
-scene:pin(lamp, { normal = { 0, 1, 0 } }) -- in its plane, out of which muscles that push would buckle it
-scene:force("gravity", {})
-scene:force("springs", { edges = { { heel, toe }, { heel, ankle }, { toe, ankle }, { ankle, knee }, { knee, elbow }, { elbow, head } },
-  k = 2e4, damping = 20 }) -- the base's and the links', 5 mm longer or shorter at most
-local function jumped(t) return t > (leaves + lands) / 2 end
-local function hold(t) -- N/m, of the floor
-  local s = math.min(math.max((jumped(t) and t - lands or leaves - t) / fades, 0), 1)
-  return 2e4 * s * s * (3 - 2 * s)
-end
-for k, foot in ipairs { heel, toe } do
+local lamp = require("lamp").new(scene, {})
+for k, foot in ipairs { lamp.heel, lamp.toe } do
   local x = 0.24 * k - 0.36
-  scene:force("central", { only = { foot }, per = "particle", strength = hold, center = function(t)
-    return jumped(t) and x + far or x, 0, 0
+  scene:force("central", { only = { foot }, per = "particle", strength = lamp.hold(leaves, lands), center = function(t)
+    return t > (leaves + lands) / 2 and x + far or x, 0, 0
   end })
   scene:goal { particle = foot, position = { x + far, 0, 0 }, velocity = { 0, 0, 0 }, at = lands }
 end
-for k, edge in ipairs { { heel, knee }, { toe, knee }, { ankle, elbow }, { knee, head } } do -- a muscle is a spring and a tension
-  local name = ({ "back", "front", "leg", "neck" })[k]
-  local pull = scene:control(name, { knots = knots, start = knots == 61 and not rest and start[name] or nil, help = "N" })
-  scene:force("springs", { edges = { edge }, k = 1500, damping = 15 })
-  scene:force("muscles", { edges = { edge }, tension = function(t) return pull(t) end })
-end
-scene:goal { particle = knee, position = { far - 0.2, 0, 0.4 }, velocity = { 0, 0, 0 } }
-scene:goal { particle = elbow, position = { far + 0.1, 0, 0.65 }, velocity = { 0, 0, 0 } }
-scene:goal { particle = head, position = { far + 0.25, 0, 0.55 }, velocity = { 0, 0, 0 } }
+lamp:muscles(scene, knots, knots == 61 and not rest and start or nil)
+scene:goal { particle = lamp.knee, position = { far - 0.2, 0, 0.4 }, velocity = { 0, 0, 0 } }
+scene:goal { particle = lamp.elbow, position = { far + 0.1, 0, 0.65 }, velocity = { 0, 0, 0 } }
+scene:goal { particle = lamp.head, position = { far + 0.25, 0, 0.55 }, velocity = { 0, 0, 0 } }
 scene:output("frames", { color = "group", legend = false, tubes = "base 0.022, arm 0.013, head 0.013", radius = 0.035, springs = "on",
   from = { 0.6, -2.4, 0.75 }, look_at = { 0.2, 0, 0.36 }, fov = 24, ground_height = -0.035 })
 return scene

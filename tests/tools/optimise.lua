@@ -154,6 +154,50 @@ cost, iterations, text = optimum("led.lua --way transcription --guess still --th
 assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
 refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
 
+-- ---- goals with a range ----
+
+-- Thrown upwards at 1 m/s and back as fast after 1 s below a ceiling l <= 1/6 m: 8/(9 l), by a force that is linear in time until 3 l, 0
+-- along the ceiling, and linear again (Bryson and Ho, Applied Optimal Control, 1975, 3.11). With l = 0.1 m both corners are at knots.
+write("ceiling.lua", [[
+local l = param("l", 0.1)
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "rk4", dt = 0.1 }
+local push = scene:control("push", { knots = 11 })
+local p = scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 } }
+scene:force("field", { f = function(t) return push(t), 0, 0 end })
+scene:measure("x", function(s) return s:position(p)[1] end)
+for k = 1, 9 do scene:goal { measure = "x", max = l, at = k / 10 } end
+scene:goal { particle = p, position = { 0, 0, 0 }, velocity = { -1, 0, 0 } }
+if param("low", false) then scene:goal { measure = "x", min = 0.2, max = 0.1, at = 0.45 } end
+if param("twice", false) then scene:goal { measure = "x", min = 0.05, at = 0.5 } end
+if param("both", false) then scene:goal { measure = "x", value = 1, min = 0.2, at = 0.45 } end
+return scene
+]])
+for _, way in ipairs { "shooting", "transcription" } do
+  cost, iterations, text = optimum("ceiling.lua --way " .. way)
+  assert(math.abs(cost / (8 / 0.9) - 1) < 1e-9 and iterations == 1, text) -- linear: rounding, of 11 values
+  assert(text:find("x +<= 0.1 at 0.3 s"), text)
+  assert(read("out/optimise/ceiling/optimum.json"):find('"max":0.1', 1, true))
+  -- A ceiling that is not reached costs nothing: 4 by a force of -2 at all times, as high as 1/4 m.
+  cost = cost_of("ceiling.lua l=0.26 --way " .. way)
+  assert(math.abs(cost - 4) < 1e-9, cost)
+end
+refused("ceiling.lua low=true", "goal: min: 0.2 is above max, 0.1: no value of x lies between")
+refused("ceiling.lua twice=true", "goal: x at 0.5 s has a goal already (line 7): give a value, or min and max together")
+refused("ceiling.lua both=true", "goal: min and max are of a measure without a value")
+
+-- A push of at most 1 N brings 1 kg from rest to rest by 1 m in 2 s and no further; by no way a value beyond its bound is tried.
+write("far.lua", [[
+local scene = hooke.scene { duration = 2, fps = 20, integrator = "rk4", dt = 0.05 }
+local push = scene:control("push", { knots = 41, min = -1, max = 1 })
+local p = scene:particle { position = { 0, 0, 0 } }
+scene:force("field", { f = function(t) return push(t), 0, 0 end })
+scene:goal { particle = p, position = { 1.02, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+for _, way in ipairs { "shooting", "transcription" } do
+  refused("far.lua --way " .. way, "the goal 'x[1]' = 1.02 at 2 s cannot be met within the bounds of the controls")
+end
+
 -- ---- bounds that a guess of 0 touches, and knots that are closer than the scene's steps ----
 
 -- A rocket falls 5 m from rest and lands in 2 s: a push of 0 at least, of which the first guess is at the bound. Without the bound it

@@ -141,12 +141,13 @@ static int set_segment(lua_State *L) {
   return 0;
 }
 
-/* h:goal(g, knot, slope) */
+/* h:goal(g, knot, slope, ranged) */
 static int set_goal(lua_State *L) {
   const horizon *h = self(L);
   horizon_goal *goal = &h->goal[segment_at(L, 2, h->goals)];
   goal->knot = segment_at(L, 3, h->knots);
   read_list(L, 4, goal->slope, h->d);
+  goal->ranged = lua_toboolean(L, 5);
   return 0;
 }
 
@@ -173,7 +174,8 @@ static int least(lua_State *L) {
   if (!lua_isnil(L, 5)) read_list(L, 5, missing, h->goals);
   for (size_t g = 0; g < h->goals; g++)
     for (size_t i = 0; i < d; i++)
-      gx[h->goal[g].knot * d + i] += (price[g] + h->square * missing[g]) * h->goal[g].slope[i];
+      gx[h->goal[g].knot * d + i] +=
+          (price[g] + (h->goal[g].ranged ? 0 : h->square * missing[g])) * h->goal[g].slope[i];
   hk_horizon_least(h, gx, gu, off, x, u, list);
   for (size_t g = 0; g < h->goals; g++)
     for (size_t i = 0; i < d; i++) y[g] += h->goal[g].slope[i] * x[h->goal[g].knot * d + i];

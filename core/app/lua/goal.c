@@ -28,11 +28,11 @@ static void add_measure(lua_State *L, hk_scene *target, const char *name, int fu
   hk_lua_check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &value, &error), &error);
 }
 
-static void add_goal(lua_State *L, hk_scene *target, const char *measure, double value) {
+static void add_goal(lua_State *L, hk_scene *target, const char *measure, double low, double high) {
   hk_error error = {0};
-  double at = hk_lua_field_number(L, 2, "goal", "at", target->duration);
+  const hk_goal goal = {.low = low, .high = high, .at = hk_lua_field_number(L, 2, "goal", "at", target->duration)};
   hk_limits_take(L, sizeof(hk_goal) + 64);
-  hk_lua_check(L, hk_scene_add_goal(target, measure, value, at, hk_lua_where(L), &error), &error);
+  hk_lua_check(L, hk_scene_add_goal(target, measure, &goal, hk_lua_where(L), &error), &error);
 }
 
 /* Three goals where the table has this vector: "position", or "velocity". */
@@ -49,7 +49,7 @@ static bool add_vector(lua_State *L, hk_scene *target, uint32_t id, const char *
       lua_pushcclosure(L, component, 3);
       add_measure(L, target, name, lua_gettop(L));
     }
-    add_goal(L, target, name, wanted[c]);
+    add_goal(L, target, name, wanted[c], wanted[c]);
   }
   return true;
 }
@@ -65,7 +65,7 @@ static void of_particle(lua_State *L, hk_scene *target) {
 }
 
 int hk_lua_scene_goal(lua_State *L) {
-  static const char *const keys[] = {"measure", "value", "particle", "position", "velocity", "at", NULL};
+  static const char *const keys[] = {"measure", "value", "min", "max", "particle", "position", "velocity", "at", NULL};
   static const char form[] = "scene:goal { measure = \"x\", value = 1 }";
   hk_scene *target = hk_lua_editable(L);
   hk_lua_check_table(L, 2, "goal", form);
@@ -74,11 +74,17 @@ int hk_lua_scene_goal(lua_State *L) {
   bool measured = hk_lua_field(L, 2, "measure") == LUA_TSTRING;
   bool particle = hk_lua_field(L, 2, "particle") != LUA_TNIL;
   double value = hk_lua_field_number(L, 2, "goal", "value", NAN);
-  if (measured == particle || measured == isnan(value))
+  double low = hk_lua_field_number(L, 2, "goal", "min", -INFINITY);
+  double high = hk_lua_field_number(L, 2, "goal", "max", INFINITY);
+  bool ranged = low > -INFINITY || high < INFINITY;
+  if (ranged && (particle || !isnan(value)))
+    hk_lua_fail(L, HK_BAD_PARAM,
+                "goal: min and max are of a measure without a value, scene:goal { measure = \"height\", min = 0.2 }");
+  if (measured == particle || measured == (isnan(value) && !ranged))
     hk_lua_fail(L, HK_BAD_PARAM,
                 "goal: of a measure, %s, or of a particle, scene:goal { particle = p, position = { 1, 0, 0 } }", form);
   if (particle) of_particle(L, target);
-  if (measured) add_goal(L, target, lua_tostring(L, 3), value);
+  if (measured) add_goal(L, target, lua_tostring(L, 3), ranged ? low : value, ranged ? high : value);
   return 0;
 }
 

@@ -147,8 +147,14 @@ static void push_parameters(lua_State *L, const hk_script *script) {
   lua_setfield(L, -2, "parameters");
 }
 
-/* Pushes what `hooke optimise` looks for: controls { name, duration, values, min, max }, goals { measure, value, at,
- * where }, and the measure that is the cost, or nil. */
+static void push_wanted(lua_State *L, const hk_goal *goal) {
+  if (goal->low == goal->high) hk_tool_set_number(L, "value", goal->low);
+  if (goal->low < goal->high && goal->low > -INFINITY) hk_tool_set_number(L, "min", goal->low);
+  if (goal->low < goal->high && goal->high < INFINITY) hk_tool_set_number(L, "max", goal->high);
+}
+
+/* Pushes what `hooke optimise` looks for: controls { name, duration, values, min, max }, goals { measure, value or
+ * min and max, at, where }, and the measure that is the cost, or nil. */
 static void push_goals(lua_State *L, const hk_scene *scene) {
   lua_createtable(L, (int)scene->controls, 0);
   for (size_t k = 0; k < scene->controls; k++) {
@@ -171,7 +177,7 @@ static void push_goals(lua_State *L, const hk_scene *scene) {
   for (size_t k = 0; k < scene->goals; k++) {
     lua_newtable(L);
     hk_tool_set_text(L, "name", scene->measure[scene->goal[k].measure].name);
-    hk_tool_set_number(L, "value", scene->goal[k].value);
+    push_wanted(L, &scene->goal[k]);
     hk_tool_set_number(L, "at", scene->goal[k].at);
     hk_tool_set_text(L, "where", scene->goal[k].where);
     lua_rawseti(L, -2, (lua_Integer)k + 1);

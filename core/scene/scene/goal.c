@@ -64,21 +64,33 @@ static hk_status no_measure(const hk_scene *scene, const char *name, hk_error *e
                       name, name);
 }
 
-hk_status hk_scene_add_goal(hk_scene *scene, const char *measure, double value, double at, const char *where,
+static hk_status refuse_second(const char *measure, const hk_goal *goal, const hk_goal *other, hk_error *error) {
+  const char *colon = strrchr(other->where, ':'), *line = colon ? colon + 1 : "not known";
+  if (goal->low == goal->high && other->low == other->high)
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "goal: %s at %g s is %g already (line %s), and cannot be %g: leave one out", measure, goal->at,
+                        other->low, line, goal->low);
+  return hk_error_set(error, HK_BAD_PARAM,
+                      "goal: %s at %g s has a goal already (line %s): give a value, or min and max together", measure,
+                      goal->at, line);
+}
+
+hk_status hk_scene_add_goal(hk_scene *scene, const char *measure, const hk_goal *wanted, const char *where,
                             hk_error *error) {
-  hk_goal goal = {.value = value, .at = at};
+  hk_goal goal = *wanted;
+  double at = goal.at;
+  goal.measure = 0;
   while (goal.measure < scene->measures && strcmp(scene->measure[goal.measure].name, measure) != 0) goal.measure++;
   if (goal.measure == scene->measures) return no_measure(scene, measure, error);
   if (!(at > 0 && at <= scene->duration))
     return hk_error_set(error, HK_BAD_PARAM, "goal: at: %g s is not within the run, above 0 and up to its end at %g s",
                         at, scene->duration);
+  if (!(goal.low <= goal.high))
+    return hk_error_set(error, HK_BAD_PARAM, "goal: min: %g is above max, %g: no value of %s lies between", goal.low,
+                        goal.high, measure);
   for (size_t k = 0; k < scene->goals; k++) {
     const hk_goal *other = &scene->goal[k];
-    const char *line = strrchr(other->where, ':');
-    if (other->measure == goal.measure && other->at == at)
-      return hk_error_set(error, HK_BAD_PARAM,
-                          "goal: %s at %g s is %g already (line %s), and cannot be %g: leave one out", measure, at,
-                          other->value, line ? line + 1 : "not known", value);
+    if (other->measure == goal.measure && other->at == at) return refuse_second(measure, &goal, other, error);
   }
   hk_goal *grown = realloc(scene->goal, (scene->goals + 1) * sizeof *grown);
   if (grown) scene->goal = grown;

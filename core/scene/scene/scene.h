@@ -24,9 +24,10 @@ typedef struct hk_control {
   const bool *asked; /* the script has asked for values while it made the scene */
 } hk_control;
 
-typedef struct hk_goal { /* that a measure has a value at a time */
+typedef struct hk_goal { /* that a measure has a value at a time, or lies in a range */
   size_t measure;        /* which of the scene's */
-  double value, at;      /* s */
+  double low, high;      /* equal: the value; -INFINITY, INFINITY: no bound on this side */
+  double at;             /* s */
   char *where;           /* the script's line */
 } hk_goal;
 
@@ -150,10 +151,9 @@ hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, 
 
 /* Copies the control and its values, which have to be within its bounds. */
 hk_status hk_scene_add_control(hk_scene *, const hk_control *, hk_error *error);
-/* `at`: s, within the scene's duration. HK_BAD_PARAM: the measure has another goal at that time, or there is none of
- * the name. */
-hk_status hk_scene_add_goal(hk_scene *, const char *measure, double value, double at, const char *where,
-                            hk_error *error);
+/* A goal of the measure of that name; `at` within the scene's duration. HK_BAD_PARAM: the measure has another goal at
+ * that time, its range is empty, or there is no such measure. */
+hk_status hk_scene_add_goal(hk_scene *, const char *measure, const hk_goal *, const char *where, hk_error *error);
 
 /* ---- bodies.c: what rigid bodies have beside particles ---- */
 

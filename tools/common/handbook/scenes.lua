@@ -92,6 +92,8 @@ help | - | - | what it is, and its unit]],
     takes = [[
 measure | - | - | the name of a measure
 value | its own | - | of that measure
+min | its own | none | in the place of a value: the least that the measure may be
+max | its own | none | the largest that it may be
 particle | - | - | in the place of a measure
 position | m | - | of that particle
 velocity | m/s | - | of that particle

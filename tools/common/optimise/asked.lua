@@ -1,5 +1,6 @@
 -- What an optimisation is asked for: goals and controls of the scene (scene:goal{}, scene:control()) and of the command line.
 local derivative = require("common.gradient.derivative")
+local ranges = require("common.optimise.ranges")
 
 local asked = {}
 
@@ -51,13 +52,33 @@ function asked.choose_controls(o, explained)
   return true
 end
 
+-- Those with a value first.
+local function in_order(goals)
+  local list = {}
+  for _, valued in ipairs { true, false } do
+    for _, goal in ipairs(goals) do
+      if (goal.value ~= nil) == valued then list[#list + 1] = goal end
+    end
+  end
+  return list
+end
+
+-- What a measure that is `start` at the start has to change, about.
+local function scale_of(goal, start)
+  local most = math.abs(start)
+  for _, key in ipairs { "value", "min", "max" } do
+    if goal[key] then most = math.max(most, math.abs(goal[key] - start)) end
+  end
+  return most
+end
+
 -- o.goals: those of the command line at o.at, or those of the scene; o.at: when all is over. measures: at the start. Or nil and
 -- what is wrong.
 function asked.choose_goals(o, explained, measures)
   o.goals_named = #o.goals > 0
   if o.goals_named then
     for _, goal in ipairs(o.goals) do goal.at = o.at or explained.duration end
-  else o.goals = explained.goals end
+  else o.goals = in_order(explained.goals) end
   o.cost = explained.cost
   if #o.goals == 0 and not o.cost then
     return nil, "no goal: scene:goal{} in the script, or --goal MEASURE=NUMBER"
@@ -71,7 +92,7 @@ function asked.choose_goals(o, explained, measures)
       return nil, ("the scene has no measure '%s'; %s"):format(goal.name,
         meant(goal.name, names, "it has none: scene:measure(name, function)"))
     end
-    goal.scale, last = math.max(math.abs(start), math.abs(goal.value - start)), math.max(last, goal.at)
+    goal.scale, last = scale_of(goal, start), math.max(last, goal.at)
   end
   o.at = last > 0 and last or o.at or explained.duration
   return true
@@ -103,14 +124,14 @@ function asked.choose_stages(o, explain)
     for key, value in pairs(o.params) do params[key] = params[key] or value end
     local explained, why = explain(params)
     if not explained then return nil, "--through: " .. why end
-    local goals = o.goals_named and o.goals or explained.goals
+    local goals = o.goals_named and o.goals or in_order(explained.goals)
     if #goals ~= #o.goals then return nil, ("--through: with %s the scene has other goals"):format(text) end
     o.stages[k] = { params = params, goals = goals, words = text, number = number }
   end
   return true
 end
 
-local function goal_words(goal) return ("'%s' = %.9g at %.9g s"):format(goal.name, goal.value, goal.at) end
+local function goal_words(goal) return ("'%s' %s at %.9g s"):format(goal.name, ranges.words(goal), goal.at) end
 
 -- Why goals cannot be met, of { row =, others = } (common/optimise/sqp.lua).
 function asked.contradiction(o, found)

@@ -69,7 +69,7 @@ local function add_time(case, at, result)
   for g, goal in ipairs(case.goals) do
     if goal.at == at then
       if not measures[goal.name] then return ("the measure '%s' is not finite at %g s"):format(goal.name, at) end
-      result.misses[g] = measures[goal.name] - goal.value
+      result.misses[g] = measures[goal.name] - (goal.value or 0)
       if record then
         result.slopes[g], why = slopes_of(case, record, goal.name, "adjoint")
         if why then return why end
@@ -97,9 +97,10 @@ local function execute(case)
   return result
 end
 
--- case: scene, params, parameters (controls: name, duration, values), goals { { name, value, at } }, at (the end), cost (the name of
--- a measure, or nil), fps, integrator, dt, seed, trust; gradient: with slopes; careful: whether the measures can be differentiated
--- is tried. Returns { misses = { value - goal }, slopes = { { by each value }, ... }, cost, cost_slopes, dt } or { failed }.
+-- case: scene, params, parameters (controls: name, duration, values), goals { { name, value (nil: one with a range), at } }, at (the end),
+-- cost (the name of a measure, or nil), fps, integrator, dt, seed, trust; gradient: with slopes; careful: whether the measures can be
+-- differentiated is tried. Returns { misses = { measure - value, of one with a range the measure }, slopes = { { by each value }, ... },
+-- cost, cost_slopes, dt } or { failed }.
 function evaluation.take(case)
   case.execute, case.factor = execute, 1
   return case_process.run(case)

@@ -87,13 +87,16 @@ local function independent(B, A, c, negligible)
   return set, kept, contradiction
 end
 
--- The bound that p violates most: which, the side (1: the lower one), and by how much; nil: none.
-local function worst_of(bounds, p)
-  local move, worst, which, side = bounds.values(p), 0, nil, nil
+local function finite(x) return math.abs(x) < math.huge and math.abs(x) or 0 end
+
+-- The bound that p violates most: which, the side (1: the lower one), and by how much; nil: none. Those that are `met` are violated by
+-- rounding, which grows where rows nearly follow from each other: by more they are not met.
+local function worst_of(bounds, p, met)
+  local move, worst, which, side, is_met = bounds.values(p), 0, nil, nil, {}
+  for _, bound in ipairs(met) do is_met[bound.k] = true end
   for k, u in ipairs(bounds.at) do
     local low, high = bounds.low[k] - (u + move[k]), u + move[k] - bounds.high[k]
-    local size = math.max(math.abs(bounds.low[k]), math.abs(bounds.high[k]))
-    local margin = 1e-12 * (size < math.huge and size or 1)
+    local margin = (is_met[k] and 1e-8 or 1e-12) * math.max(finite(bounds.low[k]), finite(bounds.high[k]), math.abs(u), 1e-300)
     if low - margin > worst then worst, which, side = low, k, 1 end
     if high - margin > worst then worst, which, side = high, k, -1 end
   end
@@ -113,8 +116,8 @@ end
 
 -- Takes the violated bound into the set, dropping others on the way; false: no p keeps all.
 local function take_bound(step, bounds, k, side, goals)
-  local row, own = bounds.row(k), 0
-  for e = 1, #row do row[e] = side * row[e] end
+  local row, own = {}, 0
+  for e, x in ipairs(bounds.row(k)) do row[e] = side * x end
   while true do
     local image, products = image_of(step.set.B, row), {}
     for i, other in ipairs(step.set.images) do products[i] = linear.dot(other, row) end
@@ -133,44 +136,50 @@ local function take_bound(step, bounds, k, side, goals)
     if length == whole then
       if not include(step.set, row) then return false end
       step.weight[#step.set.rows] = own
+      step.bound[#step.set.rows - goals] = { k = k, side = side }
       return true
     end
     step.set = without(step.set, drop)
     table.remove(step.weight, drop)
+    table.remove(step.bound, drop - goals)
   end
 end
 
 -- B: the inverse of H, a matrix, or a function of x that gives B x; then `least` is -B g.
 -- bounds: nil, or { at = u, low =, high =, values(p) -> changes of u, row(k) -> their row }.
--- Returns { p, multipliers (of A: H p + g + A^T m + the bounds' = 0), kept (rows of A), set, slope = g + A^T m + the bounds' },
+-- Returns { p, multipliers (of A: H p + g + A^T m + the bounds' = 0), kept (rows of A), set, bound (those that p meets, { k, side },
+-- the rows of the set behind those of A), prices (of each such bound, that of its row by its side), slope = g + A^T m + the bounds' },
 -- and a contradiction among the rows or nil; or nil where no p keeps the bounds.
 function quadratic.solve(B, g, A, c, negligible, bounds, least)
   local set, kept, contradiction = independent(B, A, c, negligible)
   local Bg, right, goals = least and quadratic.add(least, -2, least) or image_of(B, g), {}, #kept
   for i = 1, goals do right[i] = linear.dot(set.rows[i], Bg) - c[kept[i]] end
-  local step = { set = set, kept = kept, weight = triangles(set.L, right) }
+  local step = { set = set, kept = kept, weight = triangles(set.L, right), bound = {}, prices = {} }
   step.p = quadratic.add(Bg, -2, Bg) -- -B g
   for i = 1, goals do step.p = quadratic.add(step.p, step.weight[i], set.images[i]) end
   for _ = 1, bounds and 20 * #g or 0 do
-    local k, side = worst_of(bounds, step.p)
+    local k, side = worst_of(bounds, step.p, step.bound)
     if not k then break end
     if not take_bound(step, bounds, k, side, goals) then return nil, contradiction end
   end
   step.multipliers, step.slope = {}, g
   for i = 1, #A do step.multipliers[i] = 0 end
   for i, row in ipairs(step.set.rows) do
-    if i <= goals then step.multipliers[kept[i]] = -step.weight[i] end
+    if i <= goals then step.multipliers[kept[i]] = -step.weight[i]
+    else step.prices[step.bound[i - goals].k] = -step.bound[i - goals].side * step.weight[i] end
     step.slope = quadratic.add(step.slope, -step.weight[i], row)
   end
   return step, contradiction
 end
 
--- The least change by which the rows of the step's set change by `by`: of goals; bounds that are met stay met. `base`: a change that
--- is made beside it, the least one for reasons of its own; nil: none.
-function quadratic.back(step, by, base)
+-- The least change by which the rows of the step's set change by `by`: of goals; bounds that are met stay met, or change by `beyond`, of
+-- each bound (nil: none does). `base`: a change that is made beside it, the least one for reasons of its own; nil: none.
+function quadratic.back(step, by, base, beyond)
   local right = {}
   for i, row in ipairs(step.set.rows) do
-    right[i] = (i <= #step.kept and by[step.kept[i]] or 0) + (base and linear.dot(row, base) or 0)
+    local bound = step.bound[i - #step.kept]
+    local change = bound and beyond and bound.side * (beyond[bound.k] or 0) or not bound and by[step.kept[i]] or 0
+    right[i] = change + (base and linear.dot(row, base) or 0)
   end
   local weight, change = triangles(step.set.L, right), nil
   for i, image in ipairs(step.set.images) do

@@ -7,10 +7,17 @@ local description = require("common.run.description")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 local plot = require("common.run.plot")
+local ranges = require("common.optimise.ranges")
 
 local report = {}
 
 local function plain(x) return x and x == x and math.abs(x) < math.huge and x or journal.json.null end
+
+-- What is missing of goal g, by what evaluation.lua says of it; nil: that is not known.
+local function missed(goal, misses, g)
+  if not misses then return nil end
+  return goal.value and misses[g] or ranges.missed(goal, misses[g])
+end
 
 -- Sentences on what is not as it should be with an optimum.
 function report.doubts(o, optimum)
@@ -23,9 +30,9 @@ function report.doubts(o, optimum)
     list[#list + 1] = ("%s does not run to the end with these controls: %s"):format(o.independent, optimum.replay.failed)
   end
   for g, goal in ipairs(o.goals) do
-    local miss = optimum.replay.misses and optimum.replay.misses[g]
+    local miss = missed(goal, optimum.replay.misses, g)
     if miss and math.abs(miss) > o.accuracy * math.max(goal.scale, optimum.reach[g]) then
-      list[#list + 1] = ("%s misses %s = %.9g by %.3g: shorter steps, --dt"):format(o.independent, goal.name, goal.value, miss)
+      list[#list + 1] = ("%s misses %s %s by %.3g: shorter steps, --dt"):format(o.independent, goal.name, ranges.words(goal), miss)
     end
   end
   return list
@@ -50,8 +57,9 @@ local function print_optimum(o, k, optimum)
     optimum.starts, o.starts + 1))
   print_levels(optimum)
   for g, goal in ipairs(o.goals) do
-    print(("    %-16s %14.9g at %.6g s, off by %10.2g, by %s %10.2g"):format(goal.name, goal.value, goal.at, optimum.misses[g],
-      o.independent, optimum.replay.misses and optimum.replay.misses[g] or 0 / 0))
+    local wanted = goal.value and ("%.9g"):format(goal.value) or ranges.words(goal)
+    print(("    %-16s %14s at %.6g s, off by %10.2g, by %s %10.2g"):format(goal.name, wanted, goal.at,
+      missed(goal, optimum.misses, g), o.independent, missed(goal, optimum.replay.misses, g) or 0 / 0))
   end
   for _, text in ipairs(optimum.doubts) do print("    not sure: " .. text) end
 end
@@ -64,8 +72,8 @@ local function json_text(o, optima)
       controls[j] = { name = control.name, duration = control.duration, values = control.values }
     end
     for g, goal in ipairs(o.goals) do
-      goals[g] = { name = goal.name, value = goal.value, at = goal.at, off = plain(optimum.misses[g]),
-        replayed_off = plain(optimum.replay.misses and optimum.replay.misses[g]) }
+      goals[g] = { name = goal.name, value = goal.value, min = goal.min, max = goal.max, at = goal.at,
+        off = plain(missed(goal, optimum.misses, g)), replayed_off = plain(missed(goal, optimum.replay.misses, g)) }
     end
     list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum),
       iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,

@@ -74,7 +74,7 @@ local function goals_at_knots(o, controls, goals)
     if math.abs(place - knot) > 1e-6 or knot > #first.values - 1 then
       return nil, ("--way transcription: the goal '%s' is at %.9g s, and no knot is"):format(goal.name, goal.at)
     end
-    list[g] = { name = goal.name, value = goal.value, at = goal.at, knot = knot + 1 }
+    list[g] = { name = goal.name, value = goal.value, min = goal.min, max = goal.max, at = goal.at, knot = knot + 1 }
   end
   return list
 end
@@ -172,10 +172,10 @@ local function optimum_from(o, controls, u, note)
     last = gradient and found.misses or last
     return shown(o, y, weight, found, gradient)
   end
-  for g, goal in ipairs(o.goals) do negligible[g] = 1e-12 * math.max(goal.scale, math.abs(goal.value)) end
+  for g, goal in ipairs(o.goals) do negligible[g] = 1e-12 * math.max(goal.scale, math.abs(goal.value or 0)) end
   if o.way == "transcription" then return transcribed(o, controls, u, note, negligible) end
   local optimum, why, contradiction = sqp.minimise { start = weight:weighted(u), evaluate = measured, most = o.most,
-    tolerance = o.tolerance, negligible = negligible, bounds = weight:bounds(controls),
+    tolerance = o.tolerance, negligible = negligible, goals = o.goals, bounds = weight:bounds(controls),
     note = function(iteration, now, missing, y)
       note(iteration, now, missing)
       o.keep(with_values(controls, weight:values(y)))

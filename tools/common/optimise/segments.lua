@@ -67,10 +67,11 @@ local function evaluation_of(case, record, parts, start)
     return true
   end
 
-  local function survey(found, nodes)
+  local function survey(found, nodes, weights)
     for g, goal in ipairs(case.goals) do
       local node = goal.knot
-      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at, nodes and nodes[node] or found.ends[node - 1] or start)
+      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at,
+        nodes and nodes[node] or found.ends[node - 1] or start, weights ~= false)
       if not found.goals[g] then return nil, found.slopes[g] end
     end
     return found
@@ -91,7 +92,7 @@ local function evaluation_of(case, record, parts, start)
         moves = moved_behind(J, moves, quadratic.add(found.ends[k], -1, nodes[k + 1]))
       end
     end
-    return survey(found, nodes)
+    return survey(found, nodes, weights)
   end
 end
 

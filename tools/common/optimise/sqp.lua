@@ -1,9 +1,10 @@
 -- The least cost(y) with c(y) = 0 and bounds of linear functions of y: sequential quadratic programming with a damped BFGS
 -- matrix for the Lagrangian (Powell 1978; Nocedal and Wright, Numerical Optimization, 18.3 and procedure 18.2), a line search on
--- cost + r sum |c| (18.5) and a correction of second order where the whole step fails (18.11). Where the cost is |y|^2 and c
--- linear the first step is the optimum.
+-- cost + r sum |c| (18.5), in which goals with a range count by what is beyond it, and a correction of second order where the whole
+-- step fails (18.11). Where the cost is |y|^2 and c linear the first step is the optimum.
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
+local ranges = require("common.optimise.ranges")
 
 local sqp = {}
 local add, times = quadratic.add, quadratic.times
@@ -31,10 +32,11 @@ end
 
 local function length(x) return math.sqrt(linear.dot(x, x)) end
 
--- What is missing of the goals in `rows`, a list of their numbers.
-local function missing_of(c, rows)
+-- What is missing of the goals in `rows`, a list of numbers of those with a value, and of the ranges.
+local function missing_of(c, rows, limits)
   local sum = 0
   for _, i in ipairs(rows) do sum = sum + math.abs(c[i]) end
+  for _, x in ipairs(limits:beyond(c)) do sum = sum + math.abs(x) end
   return sum
 end
 
@@ -61,21 +63,27 @@ end
 
 -- The step of the quadratic program; where the bounds leave none, of one that asks for a part of what is missing.
 local function direction(state, problem)
-  local bounds, part = problem.bounds, 1
-  if bounds then bounds = setmetatable({ at = bounds.values(state.y) }, { __index = bounds }) end
-  for _ = 1, bounds and 6 or 1 do
-    local c = {}
-    for i = 1, #state.c do c[i] = part * state.c[i] end
-    local step, contradiction = quadratic.solve(state.B, state.slope, state.A, c, state.negligible, bounds)
+  local bounds, limits, part = problem.bounds, problem.limits, 1
+  local at, equal = bounds and bounds.values(state.y) or {}, problem.limits.equal
+  local function change(r, p) return linear.dot(state.A[equal + r], p) end
+  local function row(r) return state.A[equal + r] end
+  for _ = 1, (bounds or #limits.low > 0) and 6 or 1 do
+    local c, all = {}, limits:bounds(bounds, at, state.c, part, change, row)
+    for i = 1, equal do c[i] = part * state.c[i] end
+    local step, contradiction = quadratic.solve(state.B, state.slope, table.move(state.A, 1, equal, 1, {}), c, state.negligible, all)
     state.contradiction, part = contradiction, part / 4
-    if step then return step end
+    if step then
+      step.multipliers = limits:multipliers(step, #at)
+      return step
+    end
   end
 end
 
 -- The step that lowers the merit enough; nil: none does. Where the goals bend, what a step misses of them is taken back by
 -- steps of their own, with the present derivatives, before it is given up for a shorter one.
 local function search(state, step, penalty, problem)
-  local now, missing = state.cost, missing_of(state.c, step.kept)
+  local limits, controls = problem.limits, problem.bounds and #state.y or 0
+  local now, missing = state.cost, missing_of(state.c, step.kept, limits)
   local fall = linear.dot(state.slope, step.p) - penalty * missing
   local part = 1
   for _ = 1, most_halvings do
@@ -83,9 +91,9 @@ local function search(state, step, penalty, problem)
     local enough, last = now + penalty * missing + 1e-4 * part * fall + 1e-14 * math.abs(now), math.huge
     for _ = 0, most_corrections do
       local there = problem.evaluate(y, false)
-      local misses = there and missing_of(there.c, step.kept) or math.huge
+      local misses = there and missing_of(there.c, step.kept, limits) or math.huge
       if there and there.cost + penalty * misses <= enough then return y end
-      local back = misses < last and quadratic.back(step, there.c)
+      local back = misses < last and quadratic.back(step, there.c, nil, limits:taken_back(there.c, controls))
       if not back then break end
       y, last = add(y, -1, back), misses
       if problem.bounds then y = problem.bounds.clip(y) end
@@ -95,10 +103,10 @@ local function search(state, step, penalty, problem)
 end
 
 -- How far from an optimum: the goals, and the Lagrangian's slope, each relative to y.
-local function is_optimal(state, step, tolerance)
+local function is_optimal(state, step, tolerance, limits)
   local size = length(state.y)
   local slope = tolerance * (length(state.slope) + 2e-3 * state.first)
-  return missing_of(state.c, step.kept) <= tolerance * math.max(size, state.first) and length(step.slope) <= slope
+  return missing_of(state.c, step.kept, limits) <= tolerance * math.max(size, state.first) and length(step.slope) <= slope
 end
 
 -- Scales every goal by how much of y it takes to change it by 1; of those that nothing changes by the largest of the others.
@@ -158,11 +166,12 @@ local function begin(options)
   local first, why = options.evaluate(options.start, true)
   if not first then return nil, why end
   local scale = scales(first.A)
-  local problem = { bounds = options.bounds, evaluate = scaled(options.evaluate, scale, first) }
+  local goals = options.goals or {}
+  for i = #goals + 1, #first.c do goals[i] = { value = 0 } end
+  local problem = { bounds = options.bounds, limits = ranges.of(goals, scale), evaluate = scaled(options.evaluate, scale, first) }
   local state = problem.evaluate(options.start, true)
-  state.y, state.first, state.negligible = options.start, 0, {}
+  state.y, state.first, state.negligible = options.start, problem.limits:missing(state.c), {}
   for i = 1, #state.c do
-    state.first = state.first + math.abs(state.c[i])
     state.negligible[i] = options.negligible and options.negligible[i] * scale[i] or 0
   end
   begin_matrix(state, #state.y)
@@ -170,8 +179,9 @@ local function begin(options)
 end
 
 -- options: start (y), evaluate(y, gradient) -> { cost =, slope =, c =, A = } or nil and why, most (iterations), tolerance,
--- negligible (of each number of c), note(iteration, cost, missing, y), bounds: { low =, high =, values(y) -> the numbers that have
--- them, row(k) -> the k-th by y, clip(y) -> y within them }, or nil.
+-- negligible (of each number of c), goals (of common/optimise/ranges.lua: of those with a range c is the measure itself; nil: all c
+-- are to be 0), note(iteration, cost, missing, y), bounds: { low =, high =, values(y) -> the numbers that have them, row(k) -> the
+-- k-th by y, clip(y) -> y within them }, or nil.
 -- Returns { y, cost, iterations, ended, reach }, reach: by how much y moves each number of c, about; or nil and why; or nil,
 -- nil and the contradiction { row =, others = }: a number of c that y cannot change apart from the others; others nil: that the
 -- bounds keep from 0.
@@ -179,16 +189,15 @@ function sqp.minimise(options)
   local state, problem, scale = begin(options)
   if not state then return nil, problem end
   local penalty, lowest, rows = 0, -bottomless * (1 + math.abs(state.cost)), {}
-  for i = 1, #state.c do rows[i] = i end
+  local limits = problem.limits
+  for i = 1, limits.equal do rows[i] = i end
   for iteration = 1, options.most do
     local step = direction(state, problem)
-    if options.note then options.note(iteration, state.cost, missing_of(state.c, rows), state.y) end
+    if options.note then options.note(iteration, state.cost, missing_of(state.c, rows, limits), state.y) end
     if not step then
-      local row = 1
-      for i = 2, #state.c do row = math.abs(state.c[i]) > math.abs(state.c[row]) and i or row end
-      return nil, nil, { row = row }
+      return nil, nil, { row = limits:worst(state.c) }
     end
-    if is_optimal(state, step, options.tolerance) then
+    if is_optimal(state, step, options.tolerance, limits) then
       return result(state, scale, iteration - 1, "converged")
     end
     if state.cost < lowest then return nil, "the cost has no lower bound: it falls as far as controls are let" end

@@ -6,6 +6,7 @@
 local horizon = require("horizon")
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
+local ranges = require("common.optimise.ranges")
 
 local transcription = {}
 
@@ -37,12 +38,16 @@ local function effort_of(state, u) return linear.dot(u, effort_slope(state, u)) 
 
 -- Rows of the quadratic program stand in the controls and, behind these, in the goals: what a step changes of each. So a goal's row
 -- has one number, and its image comes from the recursion that has factored the matrix, not from a product along all segments.
+local function goal_row(state, i)
+  local row = zeros(state.n + #state.goals)
+  row[state.n + i] = 1
+  return row
+end
+
+-- Those of goals with a value.
 local function goal_rows(state)
   local rows = {}
-  for i = 1, #state.goals do
-    rows[i] = zeros(state.n + #state.goals)
-    rows[i][state.n + i] = 1
-  end
+  for i = 1, state.limits.equal do rows[i] = goal_row(state, i) end
   return rows
 end
 
@@ -50,7 +55,7 @@ local function split(state, row)
   return table.move(row, 1, state.n, 1, {}), table.move(row, state.n + 1, state.n + #state.goals, 1, {})
 end
 
-local function joined(u, y) return table.move(y, 1, #y, #u + 1, u) end
+local function joined(u, y) return table.move(y, 1, #y, #u + 1, table.move(u, 1, #u, 1, {})) end
 
 -- The inverse of the matrix along the equations, applied to a row.
 local function image_of(state, row)
@@ -85,11 +90,33 @@ local function factor(state, A)
   return state.horizon:factor(0)
 end
 
-local function with_bounds(state)
-  local bounds, goals = state.bounds, #state.goals
-  if not bounds then return nil end
-  return { low = bounds.low, high = bounds.high, at = state.u, values = function(p) return bounds.values(p) end,
-    row = function(k) return joined(bounds.row(k), zeros(goals)) end }
+-- Bounds of controls and, where measures have the values c, of goals with a range.
+local function with_bounds(state, c, part)
+  local own, goals, equal = state.bounds, #state.goals, state.limits.equal
+  local bounds = own and setmetatable({ row = function(k) return joined(own.row(k), zeros(goals)) end }, { __index = own })
+  return state.limits:bounds(bounds, state.u, c, part, function(r, p) return p[state.n + equal + r] end,
+    function(r) return goal_row(state, equal + r) end)
+end
+
+local function bounded_controls(state) return state.bounds and state.n or 0 end
+
+-- The quadratic program that asks for a part of what is missing of the goals, less where there is no step; y: what the equations alone
+-- change of them.
+local function program(state, slope, y, least)
+  local part, none = 1, zeros(#y)
+  for _ = 1, (state.bounds or #state.limits.low > 0) and 6 or 1 do
+    local c, equal = {}, state.limits.equal
+    for i = 1, equal do c[i] = part * state.missing[i] + y[i] end
+    for i = equal + 1, #y do c[i] = state.there.goals[i] + y[i] end
+    local step, contradiction = quadratic.solve(function(row) return image_of(state, row) end, joined(slope, none), goal_rows(state),
+      c, state.negligible, with_bounds(state, c, part), joined(least, zeros(#y)))
+    state.contradiction = contradiction
+    if step then
+      step.asked, step.multipliers = part, state.limits:multipliers(step, bounded_controls(state))
+      return step
+    end
+    part = part / 4
+  end
 end
 
 -- The step of the quadratic program: p of the controls, x of the states, and multipliers of goals and equations.
@@ -98,13 +125,10 @@ local function direction(state)
   state.A = nil
   if not factor(state, A) then return nil end
   state.A = A
-  local slope, c = effort_slope(state, state.u), {}
+  local slope = effort_slope(state, state.u)
   slope = quadratic.add(slope, 1, slope)
   local u, y = state.horizon:least(slope, nil, state.defect, state.missing)
-  for i = 1, #y do c[i], y[i] = state.missing[i] + y[i], 0 end
-  local step, contradiction = quadratic.solve(function(row) return image_of(state, row) end, joined(slope, zeros(#y)), goal_rows(state), c,
-    state.negligible, with_bounds(state), joined(u, y))
-  state.contradiction = contradiction
+  local step = program(state, slope, y, u)
   if not step then return nil end
   local prices
   slope, prices = split(state, step.slope)
@@ -120,7 +144,7 @@ local function miss(state, nodes, there)
     for i = 1, state.d do sum = sum + state.penalty[i] * math.abs(defect[k][i]) end
   end
   for i, goal in ipairs(state.goals) do
-    missing[i] = there.goals[i] - goal.value
+    missing[i] = ranges.missed(goal, there.goals[i])
     sum = sum + state.price[i] * math.abs(missing[i])
   end
   return defect, missing, sum
@@ -145,31 +169,37 @@ local function moved(state, step, part)
   return nodes, quadratic.add(state.u, part, step.p)
 end
 
+local function within(state, u)
+  for k, low in ipairs(state.bounds and state.bounds.low or {}) do u[k] = math.min(math.max(u[k], low), state.bounds.high[k]) end
+  return u
+end
+
 -- The nodes and controls from which what is missing there is taken back, by the derivatives that the step has: the correction of
 -- second order, without which the merit forbids whole steps along bent equations (Maratos; Nocedal and Wright 18.3).
 local function corrected(state, step, nodes, u, there)
   local defect, missing = miss(state, nodes, there)
   local base, y = state.horizon:least(nil, nil, defect, missing)
-  local _, weight = quadratic.back(step, missing, joined(base, y))
+  local off = table.move(missing, state.limits.equal + 1, #missing, bounded_controls(state) + 1, {})
+  local _, weight = quadratic.back(step, missing, joined(base, y), off)
   local row = zeros(state.n + #missing)
   for i, part in ipairs(weight) do row = quadratic.add(row, part, step.set.rows[i]) end
   local slope, prices = split(state, row)
   local back, _, change = state.horizon:least(slope, prices, defect, missing)
   local list = { nodes[1] }
   for k = 2, state.knots do list[k] = quadratic.add(nodes[k], 1, change[k]) end
-  return list, quadratic.add(u, 1, back)
+  return list, within(state, quadratic.add(u, 1, back))
 end
 
 -- Goes along the step as far as the merit falls; false: nowhere.
 local function search(state, step, evaluate)
   local _, _, now = miss(state, state.nodes, state.there)
-  local slope = 2 * linear.dot(effort_slope(state, state.u), step.p) - now
+  local slope = 2 * linear.dot(effort_slope(state, state.u), step.p) - step.asked * now
   local merit, part = effort_of(state, state.u) + now, 1
   for _ = 1, most_halvings do
     local nodes, u = moved(state, step, part)
     local last = math.huge
-    for _ = 0, most_corrections do
-      local there = evaluate(u, nodes)
+    for _ = 0, step.asked == 1 and most_corrections or 0 do
+      local there = evaluate(u, nodes, false)
       local sum = there and select(3, miss(state, nodes, there)) or math.huge
       if there and effort_of(state, u) + sum <= merit + 1e-4 * part * slope + 1e-13 * math.abs(merit) then
         state.nodes, state.u = nodes, u
@@ -196,14 +226,14 @@ local function take(state, evaluate)
   state.there = there
   state.defect, state.missing = miss(state, state.nodes, there)
   for k = 1, state.knots - 1 do state.horizon:segment(k, there.J[k], there.H[k]) end
-  for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i]) end
+  for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i], not goal.value) end
   return true
 end
 
 local function new_state(options, u, nodes)
   local d = #nodes[1]
   return { u = u, n = #u, interval = options.interval, controls = options.controls, knots = options.knots, goals = options.goals,
-    negligible = options.negligible, bounds = options.bounds, d = d, nodes = nodes,
+    limits = ranges.of(options.goals), negligible = options.negligible, bounds = options.bounds, d = d, nodes = nodes,
     horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.interval) }
 end
 
@@ -243,12 +273,12 @@ local function result(state, iterations, ended)
     reach = reach_of(state) }
 end
 
--- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, knot } }, evaluate(u, nodes, weights) ->
--- { start, ends, J, H, goals, slopes } (weights nil or false: without H; nodes nil: those of the run), negligible, bounds, most,
--- tolerance, nodes (a guess of the states), guess (where there is none; "still": all as the first one; "run": those of the run),
--- note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on beside these
--- options (iteration, u, nodes, weights, penalty, price), and saved, such a state, from which it goes on. Returns what
--- common/optimise/sqp.lua returns, with u and nodes.
+-- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, or min and max, knot } }, those with
+-- a value first, evaluate(u, nodes, weights) -> { start, ends, J, H, goals, slopes } (weights nil: without H; false: without J, H and
+-- slopes; nodes nil: those of the run), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
+-- "still": all as the first one; "run": those of the run), note(iteration, cost, missing, u), save(state) before each iteration, with
+-- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a
+-- state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
@@ -265,7 +295,10 @@ function transcription.minimise(options)
     if not step and not state.A then
       return nil, "the quadratic program has no least value, whatever is added to it: begin with other controls, or --starts"
     end
-    if not step then return nil, nil, state.contradiction or { row = 1 } end
+    if not step then
+      local c = table.move(state.missing, 1, state.limits.equal, 1, {})
+      return nil, nil, state.contradiction or { row = state.limits:worst(table.move(state.there.goals, #c + 1, #state.goals, #c + 1, c)) }
+    end
     weigh(state, step, step.equations)
     local _, _, missing = miss(state, state.nodes, state.there)
     local cost = effort_of(state, state.u)

@@ -83,7 +83,7 @@ static void add_knot(const horizon *h, size_t k, double *P) {
   size_t q = h->d + h->m;
   for (size_t g = 0; g < h->goals; g++) {
     const double *slope = h->goal[g].slope;
-    if (h->goal[g].knot != k || h->square == 0) continue;
+    if (h->goal[g].knot != k || h->goal[g].ranged || h->square == 0) continue;
     for (size_t i = 0; i < h->d; i++)
       for (size_t e = 0; e < h->d; e++) P[i * q + e] += h->square * slope[i] * slope[e];
   }

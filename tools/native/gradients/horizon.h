@@ -18,6 +18,7 @@
 typedef struct horizon_goal {
   size_t knot;   /* from 0 */
   double *slope; /* d */
+  bool ranged;   /* it has a range, no value: its square is in no matrix */
 } horizon_goal;
 
 typedef struct horizon {

@@ -123,7 +123,8 @@ int hk_record_assign(lua_State *L) {
   return 1;
 }
 
-/* record:survey(measure, t, X) -> the measure at t in the state X, and its derivatives by that; or nil and a reason. */
+/* record:survey(measure, t, X, derivatives) -> the measure at t in the state X, and where they are wanted its
+ * derivatives by that; or nil and a reason. */
 int hk_record_survey(lua_State *L) {
   record *r = hk_record_at(L);
   double t = luaL_checknumber(L, 3), value;
@@ -133,9 +134,11 @@ int hk_record_survey(lua_State *L) {
   r->measure = hk_record_measure_named(L, r, 2);
   hk_error_clear(&r->error);
   hk_status status = hk_record_measure_at(r, r->run, t, hk_record_moved(r, X, NULL, 0), &value);
-  if (status == HK_OK) status = hk_record_slope(r, t, X, X + size);
+  bool slopes = lua_toboolean(L, 5);
+  if (status == HK_OK && slopes) status = hk_record_slope(r, t, X, X + size);
   if (status != HK_OK) return hk_record_refuse(L, &r->error);
   lua_pushnumber(L, value);
+  if (!slopes) return 1;
   hk_record_push(L, X + size, size);
   return 2;
 }
