@@ -12,24 +12,22 @@ enum { NAME_MOST = 63, CHANGE = 2 }; /* CHANGE: what a changed letter counts; a 
 
 static bool same_letter(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
 
-/* Edit distance (Levenshtein) with one row; of longer names the beginnings are compared. */
+static size_t least_of(size_t a, size_t b) { return a < b ? a : b; }
+
+/* Edit distance (Levenshtein), where two neighbours that are swapped count as one change (Damerau); of longer names the
+ * beginnings are compared. */
 static size_t edit_distance(const char *a, const char *b) {
-  size_t row[NAME_MOST + 1];
-  size_t na = strnlen(a, NAME_MOST), nb = strnlen(b, NAME_MOST);
-  for (size_t j = 0; j <= nb; j++) row[j] = CHANGE * j;
-  for (size_t i = 1; i <= na; i++) {
-    size_t diagonal = row[0];
-    row[0] = CHANGE * i;
-    for (size_t j = 1; j <= nb; j++) {
-      size_t above = row[j], change = same_letter(a[i - 1], b[j - 1]) ? 1 : CHANGE;
-      size_t best = diagonal + (a[i - 1] == b[j - 1] ? 0 : change);
-      if (above + CHANGE < best) best = above + CHANGE;
-      if (row[j - 1] + CHANGE < best) best = row[j - 1] + CHANGE;
-      row[j] = best;
-      diagonal = above;
+  size_t cost[NAME_MOST + 1][NAME_MOST + 1], na = strnlen(a, NAME_MOST), nb = strnlen(b, NAME_MOST);
+  for (size_t i = 0; i <= na; i++)
+    for (size_t j = 0; j <= nb; j++) {
+      cost[i][j] = CHANGE * (i + j); /* all letters of one left out, all of the other put in */
+      if (i == 0 || j == 0) continue;
+      size_t change = a[i - 1] == b[j - 1] ? 0 : same_letter(a[i - 1], b[j - 1]) ? 1 : CHANGE;
+      bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      cost[i][j] = least_of(cost[i - 1][j - 1] + change, least_of(cost[i - 1][j], cost[i][j - 1]) + CHANGE);
+      if (swapped) cost[i][j] = least_of(cost[i][j], cost[i - 2][j - 2] + CHANGE);
     }
-  }
-  return row[nb];
+  return cost[na][nb];
 }
 
 /* The beginning of a name is as near to it as one changed letter. */

@@ -3,7 +3,7 @@
 #include "plugins/common/mac_grid/cut_cells.h"
 
 static const double least_open = 1e-3, least_room = 0.05;
-static const double on_grid = 1e-6;      /* of a cell: rounding of the place of an inflow */
+static const double on_grid = 1e-6;      /* of a cell: rounding of the place of an inflow, or of an obstacle */
 static const double same_density = 1e-9; /* relative */
 
 /* The solid that is nearest to a point. */
@@ -101,9 +101,12 @@ static void point_of(const hk_liquid_grid *g, const hk_liquid_row *row, size_t i
   }
 }
 
+/* An obstacle that fits the grid is on its corners, whatever rounding says of its place: a lid that seemed 4e-17 m
+ * above them let the liquid into the cells that it fills. */
 static void corner_rows(void *context, size_t begin, size_t end, size_t piece) {
   hk_liquid *l = context;
   hk_liquid_grid *g = &l->grid;
+  double near = on_grid * fmin(g->spacing[0], fmin(g->spacing[1], g->spacing[2]));
   (void)piece;
   for (size_t k = begin; k < end; k++) {
     const hk_liquid_row row = hk_liquid_row_at(g, k, 1);
@@ -112,6 +115,7 @@ static void corner_rows(void *context, size_t begin, size_t end, size_t piece) {
       nearest_solid nearest = {NULL, 0};
       point_of(g, &row, i, -1, x);
       g->solid[i] = has_solids(l) ? distance_at(l, x, &nearest) : INFINITY;
+      if (fabs(g->solid[i]) < near) g->solid[i] = 0;
       if (l->bodies.count) l->bodies.beside[i] = nearest.body;
     }
   }

@@ -73,20 +73,21 @@ static void a_tank_is_emptied_by_its_drain(void **state) {
   assert_true(fabs(test_json(out, "volume_drift")) < 0.01);
 }
 
-/* Water on a shelf in the middle of a tank, in cells of 0.025 m. Below the shelf nothing is off: density, divergence
- * and walls are as they should be, so that only `leaked` finds it. */
+/* Water on a shelf in the middle of a tank, between planes of faces of cells of 0.025 m. Below the shelf nothing is
+ * off: density, divergence and walls are as they should be, so that only `leaked` finds it. */
 static const char shelf[] =
     "local thick, cell = param('thick', 0.01, 'm', {}), 0.025\n"
-    "local low, high = { 0, 0, 0.2 + thick }, { 0.5, 0, 0.3 + thick }\n"
+    "local low, high = { 0, 0, 0.205 + thick }, { 0.5, 0, 0.305 + thick }\n"
     "local water = require('filling').box { low = low, high = high, cell = cell }\n"
     "local scene = hooke.scene { duration = 0.3, fps = 30, integrator = 'symplectic_euler' }\n"
     "scene:particles { positions = water.positions, mass = water.mass }\n"
     "scene:force('gravity', { g = { 0, 0, -9.81 } })\n"
-    "scene:corrector('obstacle', { shape = 'box', size = { 1, 1, thick }, position = { 0.25, 0, 0.2 + thick / 2 } })\n"
+    "scene:corrector('obstacle', { shape = 'box', size = { 1, 1, thick }, position = { 0.25, 0, 0.205 + thick / 2 } "
+    "})\n"
     "scene:corrector('liquid', { low = { 0, 0, 0 }, high = { 0.5, 0, 0.5 }, cell = cell })\n"
     "scene:measure('below', function(s)\n"
     "  local below = 0\n"
-    "  for id = 1, #water.positions do if s:position(id)[3] < 0.2 then below = below + 1 end end\n"
+    "  for id = 1, #water.positions do if s:position(id)[3] < 0.205 then below = below + 1 end end\n"
     "  return below / #water.positions end)\n"
     "return scene\n";
 
@@ -97,7 +98,7 @@ static void a_leak_is_found(void **state) {
   assert_true(below > 0.5);
   is_near("leaked", test_json(out, "leaked"), below, 1e-9);
   assert_non_null(strstr(out, "liquid: leaked is"));
-  assert_non_null(strstr(r.err, "obstacle 1 is 0.01 m thin near (0.25, 0, 0.205), and cells are 0.025 m"));
+  assert_non_null(strstr(r.err, "obstacle 1 is 0.01 m thin near (0.25, 0, 0.21), and cells are 0.025 m"));
   out = run("shelf.lua", shelf, "thick=0.05");
   is_near("leaked", test_json(out, "leaked"), 0, 0);
   is_near("below", test_json(out, "below"), 0, 0);

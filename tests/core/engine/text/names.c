@@ -13,9 +13,9 @@ static const char *name_at(const void *context, size_t k) { return ((const char 
 
 static void the_nearest_name_is_a_few_letters_away(void **state) {
   (void)state;
-  const char *const names[] = {"gravity", "drag", "springs", "c", "k", NULL};
+  const char *const names[] = {"spins", "gravity", "drag", "springs", "c", "k", NULL};
   assert_string_equal(hk_nearest_name("gravty", name_at, names), "gravity");
-  assert_string_equal(hk_nearest_name("sprigns", name_at, names), "springs");
+  assert_string_equal(hk_nearest_name("sprigns", name_at, names), "springs"); /* swapped letters: one change */
   assert_string_equal(hk_nearest_name("Drag", name_at, names), "drag");
   assert_string_equal(hk_nearest_name("K", name_at, names), "k"); /* a capital is nearer than another letter */
   assert_null(hk_nearest_name("universe", name_at, names));
