@@ -52,7 +52,7 @@ static const char *options_of(const char *scene) {
       {"boat", "cell=0.1"},
       {"drop", "cell=0.002"},
       {"glass", "fill=0.1"},
-      {"skipping_stone", "cell=0.05"},
+      {"skipping_stone", "cell=0.04"},
       {"tumbler", "cell=0.006 off=0.1"},
       {"harbour", "cell=0.1"},
       {"honey", "cell=0.01"},

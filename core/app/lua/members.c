@@ -22,8 +22,32 @@ static keys keys_of(lua_State *L) {
   return list;
 }
 
+static bool has(const keys *list, const char *name) {
+  bool found = false;
+  for (size_t k = 0; k < list->count; k++) found |= strcmp(list->key[k], name) == 0;
+  return found;
+}
+
+/* The kind of plugin that a scene takes by a function of the kind's name, if there is one of that name; HK_KINDS: none.
+ */
+static hk_kind kind_of(lua_State *L, const keys *list, const char *name) {
+  if (strchr(name, '/')) return HK_KINDS; /* of a file */
+  for (hk_kind kind = 0; kind < HK_KINDS; kind++) {
+    const hk_plugin *plugin;
+    hk_error error = {0};
+    if (!has(list, hk_kind_name(kind))) continue;
+    if (hk_registry_find(hk_lua_script(L)->options.registry, kind, name, false, &plugin, &error) == HK_OK) return kind;
+  }
+  return HK_KINDS;
+}
+
 static int no_scene_member(lua_State *L) {
   keys list = keys_of(L);
+  const char *name = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "/";
+  hk_kind kind = kind_of(L, &list, name);
+  if (kind < HK_KINDS)
+    return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; '%s' is a plugin: scene:%s(\"%s\", { ... })", name, name,
+                       hk_kind_name(kind), name);
   return hk_lua_no_member(L, "a scene", key_at, &list, "hooke.scene { ... } sets values, none is read");
 }
 

@@ -78,6 +78,18 @@ uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const cha
 
 static const char *known_at(const void *context, size_t k) { return ((const char *const *)context)[k]; }
 
+/* Pushes "its keys are a, b". */
+static const char *keys_text(lua_State *L, const char *const *known) {
+  luaL_Buffer text;
+  luaL_buffinit(L, &text);
+  for (size_t k = 0; known[k]; k++) {
+    luaL_addstring(&text, k ? ", " : "its keys are ");
+    luaL_addstring(&text, known[k]);
+  }
+  luaL_pushresult(&text);
+  return lua_tostring(L, -1);
+}
+
 void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known) {
   index = lua_absindex(L, index);
   hk_lua_check_plain(L, index, what);
@@ -90,7 +102,7 @@ void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *co
     if (known[k]) continue;
     const char *near = hk_registry_meant(hk_lua_script(L)->options.registry, key, known_at, known);
     if (near) hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'; did you mean '%s'?", what, key, near);
-    hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'", what, key);
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'; %s", what, key, keys_text(L, known));
   }
 }
 

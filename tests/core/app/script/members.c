@@ -32,6 +32,8 @@ static void a_name_that_is_elsewhere_is_said_to_be_there(void **state) {
       {"hooke.sweep {}", "hooke has no 'sweep'; it has "},
       {"scene:run {}:position(1)", "a run has no 'position'; its state has: run:state()"},
       {"print(scene:run {}.t)", "a run has no 't'; its state has: run:state()"},
+      {"scene:bars { edges = {} }", "a scene has no 'bars'; 'bars' is a plugin: scene:constraint(\"bars\", { ... })"},
+      {"scene:gravity()", "a scene has no 'gravity'; 'gravity' is a plugin: scene:force(\"gravity\", { ... })"},
       {"print(scene.duration)", "a scene has no 'duration'; hooke.scene { ... } sets values, none is read"},
   };
   (void)state;
@@ -47,6 +49,7 @@ static void a_name_that_there_is_not_is_answered_with_the_nearest(void **state) 
       {MEASURE("s:pos(1)[1]"), "a state has no 'pos'; did you mean 'position'?"},
       {MEASURE("s.time"), "a state has no 'time'; did you mean 't'?"},
       {"print(cloth[1])", "a handle has no members by number; its particles are :at(i, j) and :ids()"},
+      {"scene:particle { pinned = true }", "particle: unknown key 'pinned'; its keys are "},
       {"print(cloth.EI)", "a handle has no 'EI'; its particles are"},
   };
   (void)state;
