@@ -21,8 +21,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
+  static const double middle[3] = {NAN, NAN, NAN}; /* of the start */
   page *p = self;
-  if (!hk_live_open(&p->out, 0)) return p->host->fail(p->host, HK_NO_MEMORY, "no memory for the messages");
+  if (!hk_live_open(&p->out, 0, middle)) return p->host->fail(p->host, HK_NO_MEMORY, "no memory for the messages");
   hk_status status = hk_gatherer_open(&p->gatherer, view, frame, &(hk_tuples){0}, false);
   if (status == HK_OK) hk_live_send_run(&p->out, &p->gatherer.data, frame);
   p->gatherer.dirty = true; /* its topology is told with its first frame */
