@@ -53,9 +53,8 @@ typedef struct liquid {
 
 enum { NO_SLIP, FREE_SLIP };
 
-static const double most_drift = 0.01; /* of the volume, in a run that is ok */
-static const double most_passed =
-    2.01; /* cells, by particle or wave: after 1.5 s a slosh in 32 cells is 6 % off then */
+static const double most_drift = 0.01;     /* of the volume, in a run that is ok */
+static const double most_passed = 2.01;    /* cells, by particle or wave: a slosh in 32 cells is 6 % off then */
 static const double most_leaked = 0.01;    /* of all the mass that was the liquid */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
 static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
@@ -212,10 +211,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     status = hk_cell_viscosity_open(host, view->model, s->viscosity_of, s->viscosity, m->grid.size, &s->viscosities,
                                     &s->viscous.cell);
   if (status == HK_OK && is_viscous(s)) status = host->resize(host, &s->second, m->grid.size);
-  if (status == HK_OK && s->viscosities)
-    s->pace.column = host->allocate(host, 2 * hk_liquid_columns(&m->grid) * sizeof *s->pace.column);
-  if (status == HK_OK && s->viscosities && !s->pace.column)
-    status = host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", m->grid.size);
+  if (status == HK_OK && s->viscosities) status = hk_liquid_pace_open(&s->pace, host, &m->grid);
   if (status == HK_OK)
     status = hk_liquid_bodies_open(&m->bodies, host, view, m->grid.size,
                                    (const double[]){m->grid.flat[0], m->grid.flat[1], m->grid.flat[2]});
@@ -273,6 +269,32 @@ static void say(liquid *s, const hk_view *view, double courant) {
                   100 * off, view->t);
 }
 
+static hk_status reject(hk_correction *c) {
+  c->reject = true;
+  return HK_OK;
+}
+
+/* Velocities of the particles go to the grid, where viscosity and pressure act. part: of the density that is evened. */
+static hk_status flow(liquid *s, const hk_view *view, double h, const hk_liquid_particles *p, double part) {
+  hk_liquid *m = &s->method;
+  hk_liquid_sort(m, p);
+  hk_liquid_scatter(m, p);
+  hk_liquid_walls(m);
+  hk_status status = hk_liquid_let_in(m, view->t, h);
+  if (status != HK_OK) return status;
+  hk_liquid_find_surface(m);
+  status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, h) : HK_OK;
+  if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
+  const hk_cell_particles by_cell = {m->start, m->sorted, s->index};
+  if (s->viscosities) hk_cell_viscosity(&m->grid, s->host, &by_cell, *s->viscosities, s->viscous.cell);
+  if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, h);
+  if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
+  if (status == HK_OK && is_viscous(s) && s->heats) status = hk_liquid_dissipation(m, &s->viscous, p, s->dissipation);
+  if (status == HK_OK && s->even) status = hk_liquid_even(m, part);
+  if (status == HK_OK) hk_liquid_extend(m, (int)ceil(s->courant) + 2);
+  return status;
+}
+
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   liquid *s = self;
   hk_liquid *m = &s->method;
@@ -284,10 +306,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_liquid_particles p = {s->count, s->index, view->model->mass, c->x, c->v, NULL, 18};
   double courant = hk_liquid_courant(m, &p, c->h);
   hk_liquid_pull_between(&s->pace, &p, c->v_before, c->h);
-  if (is_too_fast(s, courant) && !is_viscous(s) && !c->last) {
-    c->reject = true;
-    return HK_OK;
-  }
+  if (is_too_fast(s, courant) && !is_viscous(s) && !c->last) return reject(c);
   bool again = view->t - c->h < s->reached - 1e-9 * c->h;
   if (!again) s->slot = 1 - s->slot;
   s->reached = view->t;
@@ -297,30 +316,12 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
+  if (status == HK_OK) status = flow(s, view, c->h, &p, part);
   if (status != HK_OK) return status;
-  hk_liquid_sort(m, &p);
-  hk_liquid_scatter(m, &p);
-  hk_liquid_walls(m);
-  status = hk_liquid_let_in(m, view->t, c->h);
-  if (status != HK_OK) return status;
-  hk_liquid_find_surface(m);
-  status = s->tension > 0 ? hk_liquid_draw_in(m, &s->surface, c->h) : HK_OK;
-  if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
-  const hk_cell_particles by_cell = {m->start, m->sorted, s->index};
-  if (s->viscosities) hk_cell_viscosity(&m->grid, s->host, &by_cell, *s->viscosities, s->viscous.cell);
-  if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, c->h);
-  if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
-  if (status == HK_OK && is_viscous(s) && s->heats) status = hk_liquid_dissipation(m, &s->viscous, &p, s->dissipation);
-  if (status == HK_OK && s->even) status = hk_liquid_even(m, part);
-  if (status != HK_OK) return status;
-  hk_liquid_extend(m, (int)ceil(s->courant) + 2);
   hk_liquid_gather(m, &p, after, s->full);
   if (is_viscous(s)) { /* what forces alone would have made of it says nothing */
     courant = hk_liquid_courant(m, &p, c->h);
-    if (is_too_fast(s, courant) && !c->last) {
-      c->reject = true;
-      return HK_OK;
-    }
+    if (is_too_fast(s, courant) && !c->last) return reject(c);
     hk_liquid_gain(&s->pace, &p, c->v_before, c->h);
   }
   bool moved = hk_liquid_bodies_end(&m->bodies, view, c);
@@ -363,8 +364,7 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   return 8;
 }
 
-/* m: the farthest particle beyond a wall, by how much a cell was too full, at most, or a gap that it is in too narrow.
- */
+/* m: a particle beyond a wall, what a cell had too much, or what a gap that holds liquid lacks of a cell, at most. */
 static double violation(void *self, const hk_view *view) {
   const liquid *s = self;
   const hk_liquid_particles p = particles_at(s, view);

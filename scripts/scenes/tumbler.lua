@@ -1,6 +1,7 @@
 -- tumbler.lua: a jet of water runs into a round glass, whose walls cut the grid's cells at every slope, beside its axis, so that it
 -- sloshes round when the jet is off. What is in the glass has the volume that was there and has come in.
 local filling = require("filling")
+local shapes = require("shapes")
 local cell = param("cell", 0.005, "of the grid, m", { min = 0.0025, max = 0.006 })
 local flow = param("flow", 2e-4, "of the jet, m^3/s", { min = 5e-5, max = 4e-4 })
 local off = param("off", 0.5, "when the jet is turned off, s", { min = 0.05, max = 1 })
@@ -12,25 +13,17 @@ local function radius(z) -- m, within, at z above the floor: half an ellipsoid, 
 end
 
 -- From the foot up the outside, over the rim and down into it, with a point on the axis at either end.
-local rings, vertices, faces = { { 0.8 * R, 0 }, { R + wall, 0.5 * round }, { R + wall, bottom + deep } }, { { 0, 0, 0 } }, {}
+local rings = { { 0.8 * R, 0 }, { R + wall, 0.5 * round }, { R + wall, bottom + deep } }
 for _, z in ipairs { deep, 0.75 * deep, 0.5 * deep, round, 0.7 * round, 0.45 * round, 0.25 * round, 0.12 * round, 0.04 * round } do
   rings[#rings + 1] = { radius(z), bottom + z }
 end
-for _, ring in ipairs(rings) do
-  for k = 1, sides do
-    local a = 2 * math.pi * k / sides
-    vertices[#vertices + 1] = { ring[1] * math.cos(a), ring[1] * math.sin(a), ring[2] }
-  end
-end
-vertices[#vertices + 1] = { 0, 0, bottom }
+local glass = shapes.revolve(rings, sides)
+local vertices, faces, last = glass.vertices, glass.faces, #glass.vertices - sides
+local foot, pit = #vertices + 1, #vertices + 2
+vertices[foot], vertices[pit] = { 0, 0, 0 }, { 0, 0, bottom }
 for k = 1, sides do
   local next = k % sides + 1
-  faces[#faces + 1] = { 1, 1 + next, 1 + k }
-  for i = 0, #rings - 2 do
-    local a, b = 1 + i * sides + k, 1 + i * sides + next
-    faces[#faces + 1], faces[#faces + 2] = { a, b, b + sides }, { a, b + sides, a + sides }
-  end
-  faces[#faces + 1] = { #vertices - sides - 1 + k, #vertices - sides - 1 + next, #vertices }
+  faces[#faces + 1], faces[#faces + 2] = { foot, next, k }, { last + k, last + next, pit }
 end
 
 local function flat(list)

@@ -107,8 +107,7 @@ static void add_compared(const words *w, const hk_finding *f) {
     break;
   case HK_BY_HAND:
     add(w,
-        "the accuracy asked for could not be checked: the user's hand did work of %.3g J or changed parameters while "
-        "it "
+        "the accuracy asked for could not be checked: the user's hand did work of %.3g J or changed parameters as it "
         "ran, which no other run repeats",
         f->value);
     break;

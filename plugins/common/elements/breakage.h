@@ -27,8 +27,7 @@ hk_status hk_breakage_enter(const hk_host *, const hk_breakable *);
 /* Of all plugins how many elements are gone. */
 size_t hk_breakage_count(const hk_breakage *);
 /* gone: of each edge or triangle of the list whether it is gone, by the rules of the scene's surface
- * (facets/internal.h): a triangle that is, or of which a side is; an edge that is, or that is a side of triangles that
- * are gone and of none that stays. Others do not go. HK_NO_MEMORY, with a message. */
+ * (core/plugin/gone_elements.h). Others do not go. HK_NO_MEMORY, with a message. */
 hk_status hk_breakage_mark(const hk_breakage *, const hk_host *, const hk_tuples *node, bool *gone);
 
 #endif

@@ -76,6 +76,11 @@ static double part_of_wave(double g, double depth, double nu) {
   return fmin(1, g * depth * depth * depth / (4 * nu * nu));
 }
 
+hk_status hk_liquid_pace_open(hk_liquid_pace *pace, const hk_host *host, const hk_liquid_grid *g) {
+  pace->column = host->allocate(host, 2 * hk_liquid_columns(g) * sizeof *pace->column);
+  return pace->column ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for the viscosity of %zu cells", g->size);
+}
+
 /* The column of a particle along the axis. */
 static size_t column_of(const hk_liquid_grid *g, int axis, const double x[3]) {
   hk_liquid_place at;

@@ -23,6 +23,9 @@ typedef struct hk_liquid_thickness {
 /* Columns of cells along the axis with the fewest cells, the most that there are along any axis. */
 size_t hk_liquid_columns(const hk_liquid_grid *);
 
+/* Its column. HK_NO_MEMORY, with a message. */
+hk_status hk_liquid_pace_open(hk_liquid_pace *, const hk_host *, const hk_liquid_grid *);
+
 /* Cells that the fastest particle passes in a step of h, s. */
 double hk_liquid_courant(const hk_liquid *, const hk_liquid_particles *, double h);
 /* gain from velocities, n x 3, before a step of h, s, to those that the liquid has after it. */
