@@ -1,5 +1,6 @@
-/* What a name that is not known may mean: one that the field uses for the same thing, as a file lists them; one that
- * its help begins with; or else the closest by edit distance, where capitals count for half. */
+/* What a name that is not known may mean: one with a wrong letter; one that the field uses for the same thing, as a
+ * file lists them; one that its help begins with; or else the closest by edit distance, where capitals count for half.
+ */
 #include "core/engine/text/text.h"
 
 #include <ctype.h>
@@ -73,6 +74,13 @@ static const char *find(const char *word, hk_name_at *name, const void *context)
 static bool nearly_same_word(const char *a, const char *b) {
   enum { SHORTEST = 5 };
   return strlen(b) >= SHORTEST && edit_distance(b, a) <= CHANGE;
+}
+
+const char *hk_misspelt_name(const char *wrong, hk_name_at *name, const void *context) {
+  const char *candidate;
+  for (size_t k = 0; (candidate = name(context, k)) != NULL; k++)
+    if (nearly_same_word(candidate, wrong)) return candidate;
+  return NULL;
 }
 
 static FILE *open_synonyms(const char *folder) {
