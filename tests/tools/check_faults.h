@@ -18,8 +18,8 @@
 static test_result r;
 
 /* What is found, and what is said of it, does not depend on how hooke is built; sanitizers, which take ten times as
- * long, see a third of the faults in the long tests. */
-static inline size_t long_step(void) { return strstr(HK_BUILD, "sanitize") ? 3 : 1; }
+ * long, see a ninth of the faults in the long tests. */
+static inline size_t long_step(void) { return strstr(HK_BUILD, "sanitize") ? 9 : 1; }
 
 /* ---- faults: tests/fixtures/wrong/NAME.c is a plugin that is right with -DBUG=NONE, and NAME.txt has a line for each
  * fault: its BUG, the property that finds it, and the sentence that names it ---- */
