@@ -100,7 +100,7 @@ static void no_accuracy_is_claimed(void **state) {
   begin("");
   go_on(&r, "--change k=400 --accuracy 1e-3");
   assert_int_equal(r.code, 5);
-  assert_non_null(strstr(r.out, "changed parameters while it ran, which no other run repeats"));
+  assert_non_null(strstr(r.out, "changed parameters as it ran, which no other run repeats"));
 }
 
 static void what_a_run_under_way_cannot_have_is_refused(void **state) {
