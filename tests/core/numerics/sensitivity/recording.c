@@ -41,6 +41,14 @@ static void floor_below(test_engine *e) {
   test_text(e, floor, "shape", "plane");
 }
 
+static void iterative(test_engine *e) { test_plugin(e, HK_SOLVER, "pcg"); }
+
+static void rider(test_engine *e) {
+  hk_rider r = {.particle = test_particle(e, 0.5, 0, 0, 0), .carriers = 2, .carrier = {1, 2}};
+  r.weight[0] = r.weight[1] = 0.5;
+  assert_int_equal(hk_scene_add_rider(e->scene, &r, &e->error), HK_OK);
+}
+
 static void ending(test_engine *e) { e->scene->plugin[HK_FORCE].item[0]->to = 0.5; }
 
 static void plastic(test_engine *e) {
@@ -59,7 +67,10 @@ static void released(test_engine *e) {
 static void what_is_not_differentiated_is_refused(void **state) {
   (void)state;
   refused(NULL, "dopri5", "integrator 'dopri5' does not state its step as stages (stages/1)");
-  refused(NULL, "linear_bdf2", "integrator 'linear_bdf2' does not state");
+  refused(bar, "linear_bdf2", "integrator 'linear_bdf2'");
+  refused(iterative, "linear_bdf2",
+          "the linear steps of 'linear_bdf2' are not differentiated with an iterative solver");
+  refused(rider, "linear_bdf2", "the linear steps of 'linear_bdf2' are not differentiated with particles that ride");
   refused(bar, "rk4", "integrator 'rk4' brings the state back onto constraints by an iteration that is not");
   refused(cable, "leapfrog", "constraint 'cables' acts on one side only, and its begin and end are not differentiated");
   refused(floor_below, "leapfrog", "corrector 'obstacle' acts on the steps");
