@@ -132,14 +132,15 @@ static hk_status add_stated(hk_sensitivity *s, const hk_linear_point *p, const f
   return status;
 }
 
-/* The blocks of force k alone, times w: as the step took them, or those of -dF/dx and -dF/dv. */
-static hk_status multiply(hk_sensitivity *s, const hk_linear_point *p, const form *f, size_t k, bool exact, double *y) {
+/* The blocks of the forces that are not left out, times w: as the step took them, or those of -dF/dx and -dF/dv. */
+static hk_status multiply(hk_sensitivity *s, const hk_linear_point *p, const form *f, const bool *left_out, bool exact,
+                          double *y) {
   hk_dynamics *d = s->dynamics;
   double *X = s->linearised->X, *more = s->linearised->w[5];
   size_t v = 3 * s->n;
   hk_matrix K, D;
   memcpy(X, p->X, 2 * v * sizeof *X);
-  for (size_t i = 0; i < d->split.forces; i++) d->takes[i] = i == k;
+  for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = !left_out[k];
   d->linear.linearised = p->foretold && !exact ? p->between : NULL;
   d->linear.reached = p->foretold && !exact ? p->between + v : NULL;
   hk_status status = hk_jacobian_assemble(&d->system, p->t, X, exact ? 0 : f->want, &K, &D);
@@ -152,28 +153,44 @@ static hk_status multiply(hk_sensitivity *s, const hk_linear_point *p, const for
   return HK_OK;
 }
 
-/* Refuses a force that leaves out something of its blocks and does not state the gradient of what remains. */
-static hk_status compare(hk_sensitivity *s, const hk_linear_point *p, const form *f, size_t k) {
+/* Whether these forces leave out something of their blocks in the step. */
+static hk_status compare(hk_sensitivity *s, const hk_linear_point *p, const form *f, const bool *left_out,
+                         bool *equal) {
   double *taken = s->linearised->w[3], *exact = s->linearised->w[4], off = 0, size = 0;
-  hk_status status = multiply(s, p, f, k, false, taken);
-  if (status == HK_OK) status = multiply(s, p, f, k, true, exact);
+  hk_status status = multiply(s, p, f, left_out, false, taken);
+  if (status == HK_OK) status = multiply(s, p, f, left_out, true, exact);
   for (size_t e = 0; e < 3 * s->n && status == HK_OK; e++) {
     off = fmax(off, fabs(taken[e] - exact[e]));
     size = fmax(size, fabs(exact[e]));
   }
-  if (status != HK_OK || off <= 1e-12 * size) return status;
-  return hk_error_set(s->dynamics->error, HK_FAILED,
+  *equal = off <= 1e-12 * size;
+  return status;
+}
+
+/* Names the first one that does so alone. */
+static hk_status refuse_one(hk_sensitivity *s, const hk_linear_point *p, const form *f) {
+  hk_dynamics *d = s->dynamics;
+  bool equal = true, *others = s->linearised->others;
+  size_t k = 0, last = d->split.forces;
+  for (; k < last; k++) {
+    memset(others, true, last * sizeof *others);
+    others[k] = s->linearised->states[k];
+    hk_status status = others[k] ? HK_OK : compare(s, p, f, others, &equal);
+    if (status != HK_OK) return status;
+    if (!equal) break;
+  }
+  return hk_error_set(d->error, HK_FAILED,
                       "force '%s' leaves a part of its Jacobian out of the linear step to t = %g s, and does not state "
                       "how the rest changes, which the derivative backwards needs: take it forwards, by parameters, or "
                       "--integrator bdf2",
-                      s->dynamics->plugins->kind[HK_FORCE].item[k]->label, p->t);
+                      d->plugins->kind[HK_FORCE].item[k < last ? k : 0]->label, p->t);
 }
 
+/* Refuses forces that do so and do not state the gradient of what remains. */
 static hk_status compare_others(hk_sensitivity *s, const hk_linear_point *p, const form *f) {
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < s->dynamics->split.forces && status == HK_OK; k++)
-    if (!s->linearised->states[k]) status = compare(s, p, f, k);
-  return status;
+  bool equal = true;
+  hk_status status = compare(s, p, f, s->linearised->states, &equal);
+  return equal || status != HK_OK ? status : refuse_one(s, p, f);
 }
 
 /* Of the forces whose blocks are exact: d/de of (dF/dx, dF/dv)^T u at x + e g^2 w, v + e g w. */

@@ -36,6 +36,7 @@ struct hk_linearised {
   double *y, *z;
   double *by_between; /* 6n: that of the positions `between` */
   bool *states;       /* one per force: it is constant, or states the gradient of its bilinear form */
+  bool *others;       /* one per force: scratch */
 };
 
 /* One for a record of a method with `linear`. */
@@ -54,13 +55,12 @@ hk_status hk_linearised_matrix(hk_sensitivity *, const hk_linear_point *, unsign
 void hk_linearised_product(const hk_matrix *A, const double *x, double *y); /* y = A x */
 /* x of b, which is filtered, by the last factors. */
 hk_status hk_linearised_solve(hk_sensitivity *, double *b, double *x);
-/* Subtracts from c and d what the matrices' change makes of the systems of dv, or q, and of p: by a parameter, with
- * that of the masses, and without some forces (NULL: with all); along a change of the point and of `between`, 6n each.
- */
+/* Subtracts from c and d what the matrices' change makes of the systems of dv, or q, and of p, and adds that of the
+ * masses: by a parameter, without some forces (NULL: with all); and while the point and `between` change, 6n each. */
 hk_status hk_linearised_by_parameter(hk_sensitivity *, const hk_linear_point *, const hk_varied *, const bool *without,
                                      double *c, double *d);
-hk_status hk_linearised_along(hk_sensitivity *, const hk_linear_point *, const double *dX, const double *between,
-                              double *c, double *d);
+hk_status hk_linearised_change(hk_sensitivity *, const hk_linear_point *, const hk_varied *, const double *dX,
+                               const double *between, double *c, double *d);
 
 /* ---- tangent.c ---- */
 

@@ -35,9 +35,10 @@ hk_status hk_linearised_open(hk_sensitivity *s) {
   size_t v = 3 * s->n, forces = s->dynamics->split.forces;
   hk_linearised *w = s->linearised = calloc(1, sizeof *w);
   if (w) w->X = malloc((16 * v + 1) * sizeof *w->X);
-  if (w) w->states = calloc(forces + 1, sizeof *w->states);
+  if (w) w->states = calloc(2 * forces + 1, sizeof *w->states);
   if (!w || !w->X || !w->states) return HK_NO_MEMORY;
   for (size_t k = 0; k < 8; k++) w->w[k] = w->X + (4 + k) * v;
+  w->others = w->states + forces;
   w->y = w->X + 12 * v;
   w->z = w->y + v;
   w->by_between = w->z + v;
@@ -206,24 +207,41 @@ static hk_status subtract(hk_sensitivity *s, hk_dynamics *d, const hk_linear_poi
   return HK_OK;
 }
 
-hk_status hk_linearised_by_parameter(hk_sensitivity *s, const hk_linear_point *p, const hk_varied *by,
-                                     const bool *without, double *c, double *d) {
+/* X moves by so much of a change of the point and of `between`. */
+static void move(const hk_sensitivity *s, double by, const double *dX, const double *between) {
+  size_t v = 3 * s->n;
+  double *X = s->linearised->X;
+  for (size_t e = 0; e < 2 * v; e++) {
+    X[e] += by * dX[e];
+    X[2 * v + e] += by * between[e];
+  }
+}
+
+/* Between both scenes, whose points are moved, too; dX NULL: not. */
+static hk_status between_scenes(hk_sensitivity *s, const hk_linear_point *p, const hk_varied *by, const bool *without,
+                                const double *dX, const double *between, double *c, double *d) {
   hk_dynamics *side[2] = {by->less, by->more};
-  const double *mass[2] = {by->less->state->model.mass, by->more->state->model.mass};
   hk_status status = HK_OK;
   for (int k = 0; k < 2 && status == HK_OK; k++) {
     put_point(s, p);
+    if (dX) move(s, k ? by->by : -by->by, dX, between);
     for (size_t f = 0; without && f < side[k]->split.forces; f++) side[k]->takes[f] = !without[f];
     status = subtract(s, side[k], p, (k ? 1 : -1) / (2 * by->by), s->linearised->X, c, d);
     hk_dynamics_take_all(side[k]);
     if (status != HK_OK) hk_error_set(s->dynamics->error, status, "%s", side[k]->error->text);
   }
+  const double *more = by->more->state->model.mass, *less = by->less->state->model.mass;
   for (size_t e = 0; e < 3 * s->n; e++) {
-    double change = (mass[1][e / 3] - mass[0][e / 3]) / (2 * by->by) * p->r[e];
+    double change = (more[e / 3] - less[e / 3]) / (2 * by->by) * p->r[e];
     c[e] += change;
     if (p->projected) d[e] += change;
   }
   return status;
+}
+
+hk_status hk_linearised_by_parameter(hk_sensitivity *s, const hk_linear_point *p, const hk_varied *by,
+                                     const bool *without, double *c, double *d) {
+  return between_scenes(s, p, by, without, NULL, NULL, c, d);
 }
 
 /* How far along a change differences go: their error is the square of this part of the scene's extent over that of an
@@ -241,19 +259,16 @@ static double reach(const hk_linear_point *p, const double *dX, const double *be
   return part * fmin(of_x, (speed > 0 ? speed : 1) / change_of_v);
 }
 
-hk_status hk_linearised_along(hk_sensitivity *s, const hk_linear_point *p, const double *dX, const double *between,
-                              double *c, double *d) {
-  size_t v = 3 * s->n;
-  double part = reach(p, dX, between, v), *X = s->linearised->X;
-  hk_status status = HK_OK;
-  if (!(part < INFINITY)) return HK_OK; /* nothing changes */
+/* By the parameter and along the change at once where the scenes' difference does not lead too far along it. */
+hk_status hk_linearised_change(hk_sensitivity *s, const hk_linear_point *p, const hk_varied *by, const double *dX,
+                               const double *between, double *c, double *d) {
+  double part = reach(p, dX, between, 3 * s->n);
+  if (by->by <= 8 * part) return between_scenes(s, p, by, NULL, dX, between, c, d);
+  hk_status status = between_scenes(s, p, by, NULL, NULL, NULL, c, d);
   for (int side = -1; side <= 1 && status == HK_OK; side += 2) {
     put_point(s, p);
-    for (size_t e = 0; e < 2 * v; e++) {
-      X[e] += side * part * dX[e];
-      X[2 * v + e] += side * part * between[e];
-    }
-    status = subtract(s, s->dynamics, p, side / (2 * part), X, c, d);
+    move(s, side * part, dX, between);
+    status = subtract(s, s->dynamics, p, side / (2 * part), s->linearised->X, c, d);
   }
   return status;
 }

@@ -41,8 +41,7 @@ hk_status hk_linearised_tangent(hk_sensitivity *s, const hk_taken_step *step, co
     double turn = p.back * (dZ[v + e] - dZ[4 * v + e]);
     c[e] = d[e] = mass[e / 3] * (turn + p.g * da[e]);
   }
-  hk_status status = hk_linearised_along(s, &p, dX, between, c, d);
-  if (status == HK_OK) status = hk_linearised_by_parameter(s, &p, by, NULL, c, d);
+  hk_status status = hk_linearised_change(s, &p, by, dX, between, c, d);
   if (status == HK_OK) status = pass(s, &p, c, d, change);
   for (size_t e = 0; e < v; e++) {
     double x = dZ[e], u = dZ[v + e], after = u + change[e];

@@ -25,13 +25,13 @@ static void string_of(test_engine *e, const double p[VARIED_PARAMETERS]) {
 }
 
 /* A sheet of springs, held at one corner, and at another on a line. */
-static void add_sheet(test_engine *e, const double p[VARIED_PARAMETERS], double speed) {
+static void sheet_of(test_engine *e, const double p[VARIED_PARAMETERS]) {
   enum { N = 6 };
   static const uint32_t way[4][2] = {{1, 0}, {0, 1}, {1, 1}, {2, 0}};
   uint32_t pair[4 * N * N][2];
   size_t count = 0;
   for (uint32_t i = 0; i < N * N; i++) test_particle(e, 0.2 * (i % N), 0.02 * sin(i), 0.2 * (i / N), 0.01 * p[2]);
-  for (size_t i = 0; i < 3 * (size_t)N * N; i++) e->scene->particles.velocity[i] = speed * sin(1.7 * (double)i);
+  for (size_t i = 0; i < 3 * (size_t)N * N; i++) e->scene->particles.velocity[i] = p[3] * sin(1.7 * (double)i);
   for (int w = 0; w < 4; w++)
     for (uint32_t i = 0; i < N * N; i++)
       if (i % N + way[w][0] < N && i / N + way[w][1] < N) {
@@ -43,11 +43,9 @@ static void add_sheet(test_engine *e, const double p[VARIED_PARAMETERS], double 
   hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])pair, count);
   test_number(e, springs, "k", 2000 * p[0]);
-  test_number(e, springs, "damping", p[1]);
+  test_number(e, springs, "damping", 10 * p[1]);
   test_plugin(e, HK_FORCE, "gravity");
 }
-
-static void sheet_of(test_engine *e, const double p[VARIED_PARAMETERS]) { add_sheet(e, p, p[3]); }
 
 /* A straight chain between two pins that is too long for its place, and gives way to the sides as fast as steps, all
  * equal, go on: their matrices are not definite. */
@@ -178,6 +176,8 @@ static double mismatch(varied_runs *r) {
   return worst;
 }
 
+/* Tangents compare scenes whose parameters differ by 1e-5: rounding of their matrices, eps over that, is 2e-11 of
+ * these, and of stiff springs more of what the parameter changes. */
 static void adjoint_is_the_transpose_of_the_tangents(void **state) {
   (void)state;
   for (size_t c = 0; c < CASES; c++) {
