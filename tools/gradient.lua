@@ -113,7 +113,7 @@ local function find(o)
       or found.failed:find("kicks and drifts", 1, true) and "; these are leapfrog and symplectic_euler" or ""
     return nil, found.failed .. other
   end
-  local wider = take(o, { factor = 4, dt = o.dt or found.dt })
+  local wider = take(o, { factor = 4, dt = o.dt or not found.tol and found.dt or nil })
   -- of a method that chooses its steps the error of one is that of its tolerance, of the next order
   local finer = take(o, { dt = found.dt / 2, tol = found.tol and found.tol / 2 ^ ((order[o.plugin] or 1) + 1) })
   found.rounding, found.by_steps, found.unrefined = {}, {}, finer.failed

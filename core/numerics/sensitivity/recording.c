@@ -187,9 +187,10 @@ double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
   return (kept * (double)wide + stride * (double)each) * sizeof(double);
 }
 
-/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size; of
- * speeds, which may be rounding in a scene at rest, at least to that which crosses the scene in the time. */
-static double off_by(const double *X, const double *Y, size_t n, double time) {
+/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size: of
+ * places the scene's or its way from the start; of speeds, which may be rounding in a scene at rest, at least that
+ * which crosses the scene in the time. */
+static double off_by(const double *start, const double *X, const double *Y, size_t n, double time) {
   double worst = 0, extent = 0;
   for (int half = 0; half < 2; half++) {
     double most = 0, size = half && time > 0 ? extent / time : 0;
@@ -197,6 +198,7 @@ static double off_by(const double *X, const double *Y, size_t n, double time) {
       double from = half ? 0 : Y[e % 3];
       most = fmax(most, fabs(X[e] - Y[e]));
       size = fmax(size, fabs(Y[e] - from));
+      if (!half) size = fmax(size, fabs(Y[e] - start[e]));
     }
     worst = fmax(worst, most / (size > 0 ? size : 1));
     extent = size;
@@ -228,7 +230,7 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
-  if (status == HK_OK) s->off = off_by(Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
+  if (status == HK_OK) s->off = off_by(s->start, Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
   free(Z);
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,

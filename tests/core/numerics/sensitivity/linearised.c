@@ -133,27 +133,31 @@ static void steps_taken_again_are_those_of_the_method(void **state) {
 
 /* Central differences by 1e-5 of a parameter leave 1e-10 times a third derivative, and what rounding makes of the
  * states, as steps taken again show it, over 1e-5. */
+static void compare_with_the_same_steps(varied_runs *r) {
+  static double last[VARIED_PARAMETERS][6 * MOST];
+  double more[6 * MOST], less[6 * MOST];
+  tangents_of(r, last);
+  for (size_t k = 0; k < VARIED_PARAMETERS; k++) {
+    double most = 0, worst = 0, size = 0;
+    assert_int_equal(hk_sensitivity_replay(r->s, r->by[k].more, more), HK_OK);
+    assert_int_equal(hk_sensitivity_replay(r->s, r->by[k].less, less), HK_OK);
+    for (size_t e = 0; e < 6 * r->s->n; e++) {
+      double exact = (more[e] - less[e]) / (2 * r->by[k].by);
+      most = fmax(most, fabs(exact));
+      worst = fmax(worst, fabs(last[k][e] - exact));
+      size = fmax(size, fabs(more[e]));
+    }
+    double rounding = 2 * r->s->off * size / r->by[k].by;
+    if (!(worst < 1e-7 * most + rounding)) fail_msg("parameter %zu: %g of %g", k, worst, most);
+  }
+}
+
 static void tangents_are_the_differences_of_the_same_steps(void **state) {
   (void)state;
   for (size_t c = 0; c < CASES; c++) {
-    static double last[VARIED_PARAMETERS][6 * MOST];
-    double more[6 * MOST], less[6 * MOST];
     varied_runs r;
     open_case(&r, &cases[c]);
-    tangents_of(&r, last);
-    for (size_t k = 0; k < VARIED_PARAMETERS; k++) {
-      double most = 0, worst = 0, size = 0;
-      assert_int_equal(hk_sensitivity_replay(r.s, r.by[k].more, more), HK_OK);
-      assert_int_equal(hk_sensitivity_replay(r.s, r.by[k].less, less), HK_OK);
-      for (size_t e = 0; e < 6 * r.s->n; e++) {
-        double exact = (more[e] - less[e]) / (2 * r.by[k].by);
-        most = fmax(most, fabs(exact));
-        worst = fmax(worst, fabs(last[k][e] - exact));
-        size = fmax(size, fabs(more[e]));
-      }
-      double rounding = 2 * r.s->off * size / r.by[k].by;
-      if (!(worst < 1e-7 * most + rounding)) fail_msg("%zu, parameter %zu: %g of %g", c, k, worst, most);
-    }
+    compare_with_the_same_steps(&r);
     varied_close(&r);
   }
 }
@@ -188,6 +192,21 @@ static void adjoint_is_the_transpose_of_the_tangents(void **state) {
     assert_true(mismatch(&r) < 1e-8);
     varied_close(&r);
   }
+}
+
+/* A method that is reset begins once more, within the run. */
+static void steps_begin_again_after_a_reset(void **state) {
+  (void)state;
+  varied_runs r;
+  varied_open(&r, string_of, "linear_bdf2", start, VARIED_PARAMETERS, 5e-3);
+  test_advance(&r.base, 0.1);
+  r.base.run->loop.method->reset(r.base.run->loop.integrator->self, HK_STATE_CHANGED);
+  varied_run(&r, 0.2);
+  assert_true(r.s->off < 1e-10);
+  assert_int_equal(count_of(r.s, false), r.s->steps - 2);
+  compare_with_the_same_steps(&r);
+  assert_true(mismatch(&r) < 1e-8);
+  varied_close(&r);
 }
 
 /* Of steps that are all equal, whatever the parameter, as the tolerance is wide: whole runs by the method itself. */
@@ -285,6 +304,7 @@ int main(void) {
       cmocka_unit_test(steps_taken_again_are_those_of_the_method),
       cmocka_unit_test(tangents_are_the_differences_of_the_same_steps),
       cmocka_unit_test(adjoint_is_the_transpose_of_the_tangents),
+      cmocka_unit_test(steps_begin_again_after_a_reset),
       cmocka_unit_test(tangents_are_the_differences_of_whole_runs),
       cmocka_unit_test(derivatives_have_the_order_of_the_method),
       cmocka_unit_test(blocks_that_are_not_the_jacobian_have_no_adjoint),
