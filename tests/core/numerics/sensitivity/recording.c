@@ -89,6 +89,23 @@ static void memory_grows_with_the_root_of_the_steps(void **state) {
   assert_true(fabs(hk_sensitivity_bytes(100, 4 * 90, 90) - (9 * 10 + 100 * 4 * 9 * 10) * 8.0) < 1);
 }
 
+static void braked(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  test_particle(e, 0, 0, 0, 1);
+  e->scene->particles.velocity[0] = p[3];
+  test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 60);
+}
+
+/* Of one particle that comes to rest the last speed is e^-60 of the first, and its place is the origin of all others:
+ * its way is its size, and rounding is a part of that. */
+static void a_particle_at_rest_is_where_it_was(void **state) {
+  (void)state;
+  varied_runs r;
+  varied_open(&r, braked, "bdf2", (double[]){1, 1, 1, 1}, 0, 5e-3);
+  varied_run(&r, 1);
+  assert_true(r.s->off < 1e-12);
+  varied_close(&r);
+}
+
 /* Hooks of the run are called as before, and are its own again afterwards. */
 static void the_run_keeps_its_hooks(void **state) {
   (void)state;
@@ -106,6 +123,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_not_differentiated_is_refused),
       cmocka_unit_test(memory_grows_with_the_root_of_the_steps),
+      cmocka_unit_test(a_particle_at_rest_is_where_it_was),
       cmocka_unit_test(the_run_keeps_its_hooks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
