@@ -182,7 +182,7 @@ static hk_status refuse_one(hk_sensitivity *s, const hk_linear_point *p, const f
   return hk_error_set(d->error, HK_FAILED,
                       "force '%s' leaves a part of its Jacobian out of the linear step to t = %g s, and does not state "
                       "how the rest changes, which the derivative backwards needs: take it forwards, by parameters, or "
-                      "--integrator bdf2",
+                      "another implicit method, with --integrator",
                       d->plugins->kind[HK_FORCE].item[k < last ? k : 0]->label, p->t);
 }
 

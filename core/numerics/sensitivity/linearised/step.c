@@ -20,7 +20,7 @@ hk_status hk_linearised_refuse(const hk_loop *loop, hk_error *error) {
   if (!(flags & HK_ITERATIVE)) return HK_OK;
   return hk_error_set(error, HK_FAILED,
                       "the linear steps of '%s' are not differentiated with an iterative solver, whose residual is a "
-                      "part of them: choose a direct one (--solver supernodal)",
+                      "part of them: choose a direct one, with --solver",
                       name);
 }
 
