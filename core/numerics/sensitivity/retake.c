@@ -64,16 +64,20 @@ hk_status hk_sensitivity_replay(hk_sensitivity *s, hk_dynamics *beside, double *
   hk_dynamics *own = s->dynamics;
   hk_implicit_stage *of_own = s->implicit; /* whose factors are those of its own solver */
   hk_carried *Z = calloc(s->wide + 1, sizeof *Z);
+  bool *projected = calloc(s->steps + 1, sizeof *projected); /* which they are in its own scene */
   if (of_own) s->implicit = hk_implicit_stage_create(s->n);
-  hk_status status = Z && (!of_own || s->implicit) ? HK_OK : HK_NO_MEMORY;
+  hk_status status = Z && projected && (!of_own || s->implicit) ? HK_OK : HK_NO_MEMORY;
+  for (size_t k = 0; k < s->steps && projected; k++) projected[k] = s->step[k].projected;
   if (status == HK_OK) memcpy(Z, beside->state->X, 6 * s->n * sizeof *Z);
   s->dynamics = beside;
   hk_sensitivity_untape(s);
   for (size_t k = 0; k < s->steps && status == HK_OK; k++) status = hk_sensitivity_step(s, &s->step[k], Z);
+  for (size_t k = 0; k < s->steps && projected; k++) s->step[k].projected = projected[k];
   s->dynamics = own;
   if (of_own) hk_implicit_stage_free(s->implicit);
   s->implicit = of_own;
   if (status == HK_OK) memcpy(X, Z, 6 * s->n * sizeof *X);
+  free(projected);
   free(Z);
   return status;
 }

@@ -158,10 +158,10 @@ static hk_status solve(hk_sensitivity *s, const hk_taken_step *step, const hk_li
   hk_status status = hk_linearised_matrix(s, p, 0, &A);
   for (size_t e = 0; e < 3 * s->n; e++) b[e] = mass[e / 3] * p->r[e];
   if (status == HK_OK) status = system->linear->factorize(system, &A);
+  s->step[step - s->step].projected = status == HK_NOT_CONVERGED;
   if (status == HK_OK) return hk_linearised_solve(s, b, p->dv);
   if (status != HK_NOT_CONVERGED) return status;
   system->filter(system, b);
-  s->step[step - s->step].projected = true;
   return solve_projected(s, p, b, s->linearised->w[1]);
 }
 
