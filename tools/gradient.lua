@@ -104,7 +104,7 @@ end
 local function find(o)
   local names, order = methods()
   local found = take(o, { compare = true })
-  if found.failed and o.way == "auto" and o.backwards and found.failed:find("no exact Jacobian", 1, true) then
+  if found.failed and o.way == "auto" and o.backwards and found.failed:find("take it forwards", 1, true) then
     o.backwards = false
     found = take(o, { compare = true })
   end
@@ -113,8 +113,9 @@ local function find(o)
       or found.failed:find("kicks and drifts", 1, true) and "; these are leapfrog and symplectic_euler" or ""
     return nil, found.failed .. other
   end
-  local wider = take(o, { factor = 4, dt = o.dt or found.dt })
-  local finer = take(o, { dt = found.dt / 2 })
+  local wider = take(o, { factor = 4, dt = o.dt or not found.tol and found.dt or nil })
+  -- of a method that chooses its steps the error of one is that of its tolerance, of the next order
+  local finer = take(o, { dt = found.dt / 2, tol = found.tol and found.tol / 2 ^ ((order[o.plugin] or 1) + 1) })
   found.rounding, found.by_steps, found.unrefined = {}, {}, finer.failed
   local gain = 2 ^ (order[o.plugin] or 1)
   for j, slope in ipairs(found.slopes) do

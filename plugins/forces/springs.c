@@ -4,7 +4,7 @@
 #include "plugins/kit/springs/edge.h"
 #include "plugins/kit/springs/edge_order.h"
 #include "plugins/kit/springs/spring_blocks.h"
-#include "plugins/kit/springs/spring_transposed.h"
+#include "plugins/kit/springs/spring_bilinear.h"
 
 typedef struct springs {
   hk_tuples edges;
@@ -129,12 +129,26 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+static hk_elements all_of(const springs *s) {
+  return (hk_elements){.node = s->edges, .stiffness = s->k, .damping = s->damping, .rest = s->rest};
+}
+
+static hk_spring_slopes slopes_of(const hk_transposed *into) {
+  if (!into->parameter) return (hk_spring_slopes){0};
+  return (hk_spring_slopes){into->parameter[K], into->parameter[DAMPING], into->parameter[REST]};
+}
+
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
-  const springs *s = self;
-  const hk_elements all = {.node = s->edges, .stiffness = s->k, .damping = s->damping, .rest = s->rest};
-  hk_spring_slopes slopes = {0};
-  if (into->parameter) slopes = (hk_spring_slopes){into->parameter[K], into->parameter[DAMPING], into->parameter[REST]};
+  const hk_elements all = all_of(self);
+  const hk_spring_slopes slopes = slopes_of(into);
   hk_spring_transposed(&all, view, u, into, &slopes);
+  return HK_OK;
+}
+
+static hk_status bilinear(void *self, const hk_view *view, const hk_bilinear *form, const hk_transposed *into) {
+  const hk_elements all = all_of(self);
+  const hk_spring_slopes slopes = slopes_of(into);
+  hk_spring_bilinear(&all, view, form, into, &slopes);
   return HK_OK;
 }
 
@@ -145,9 +159,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
-                        HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(
+        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .bilinear = bilinear),
+        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

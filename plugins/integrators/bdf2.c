@@ -114,17 +114,6 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   return HK_OK;
 }
 
-/* TR-BDF2 as hk_tr_bdf2 has it: x is A A. */
-#define G 0.29289321881345248
-#define W 0.35355339059327376
-static const hk_stages_facet first = {.size = sizeof first,
-                                      .count = 3,
-                                      .c = {0, 2 * G, 1},
-                                      .x = {{0}, {G * G, G *G}, {2 * W * G, 2 * W *G, G *G}},
-                                      .v = {{0}, {G, G}, {W, W, G}},
-                                      .x_end = {2 * W * G, 2 * W *G, G *G},
-                                      .v_end = {W, W, G}};
-
 static const hk_integrator integrator = {
     .size = sizeof(hk_integrator),
     .order = 2,
@@ -134,7 +123,7 @@ static const hk_integrator integrator = {
     .reset = reset,
     .growth = growth,
     .facets = HK_FACETS(HK_STAGES_FACET(.count = 1, .c = {1}, .x = {{4. / 9}}, .v = {{2. / 3}}, .x_end = {4. / 9},
-                                        .v_end = {2. / 3}, .back = 1. / 3, .start = &first))};
+                                        .v_end = {2. / 3}, .back = 1. / 3, .start = &hk_tr_bdf2_stages))};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -66,6 +66,7 @@ typedef struct linear_bdf2 {
   double *before;     /* the state before it */
   double *linearised; /* the guess of its linearisation */
   bool told;          /* of the steps in contact */
+  hk_linear_step how; /* the last step was taken */
   /* The step's own matrix where it was not definite: the blocks, of which there is memory for `room`. */
   double *own;
   size_t room;
@@ -293,6 +294,7 @@ static void take(linear_bdf2 *m, hk_system *s, double h, double wanted, bool ret
   for (size_t e = v; e < s->size; e++) m->start.slope[e] = (w->X[e] - w->base[e]) / w->g;
   hk_scales_notice(&m->start.scales, s, s->X + v, m->start.slope + v);
   m->linear = 1;
+  m->how = HK_STEP_LINEAR;
   m->h = h;
   m->start.last_error = fmax(error, 1e-4);
   m->start.proposal = next;
@@ -311,6 +313,7 @@ static void tell_of_contact(linear_bdf2 *m, const hk_system *s) {
 /* The first step, and every one in contact. */
 static hk_status start(linear_bdf2 *m, hk_system *s, double t_stop, double h, hk_step *out) {
   tell_of_contact(m, s);
+  m->how = m->start.primed ? HK_STEP_OF_START : HK_STEP_AFRESH;
   memcpy(m->linearised, s->X, s->size * sizeof *s->X);
   hk_status status = hk_dirk_adaptive_step(&m->start, &hk_tr_bdf2, s, t_stop, h, out);
   if (status != HK_OK) return status;
@@ -344,6 +347,8 @@ static hk_status step(void *self, const void *method, hk_system *s, double t_sto
   }
 }
 
+static hk_linear_step how(const void *self) { return ((const linear_bdf2 *)self)->how; }
+
 static void destroy(void *self, const hk_host *host) {
   linear_bdf2 *m = self;
   host->release(host, m->own);
@@ -353,7 +358,17 @@ static void destroy(void *self, const hk_host *host) {
 }
 
 static const hk_adaptive_facet adaptive = {.size = sizeof adaptive, .tolerance = 1e-3};
-static const hk_facet facets[] = {{HK_ADAPTIVE_ID, &adaptive}, {0}};
+static const hk_stages_facet stages = {.size = sizeof stages,
+                                       .count = 1,
+                                       .c = {1},
+                                       .x = {{4. / 9}},
+                                       .v = {{2. / 3}},
+                                       .x_end = {4. / 9},
+                                       .v_end = {2. / 3},
+                                       .back = 1. / 3,
+                                       .start = &hk_tr_bdf2_stages,
+                                       .linear = how};
+static const hk_facet facets[] = {{HK_ADAPTIVE_ID, &adaptive}, {HK_STAGES_ID, &stages}, {0}};
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,

@@ -203,7 +203,7 @@ static void measure(const subject *s, const char *method, double dt, size_t step
 }
 
 int main(int count, char **argument) {
-  static const char *const methods[] = {"leapfrog", "rk4", "backward_euler", "bdf2"};
+  static const char *const methods[] = {"leapfrog", "rk4", "backward_euler", "bdf2", "linear_bdf2"};
   const size_t steps = 200;
   setvbuf(stdout, NULL, _IOLBF, 0);
   if (count > 1) side = atoi(argument[1]);

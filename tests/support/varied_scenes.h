@@ -41,7 +41,7 @@ void varied_close(varied_runs *);
 hk_status varied_keep_tangents(void *context, double t, const double *X, const double *tangents);
 typedef struct varied_tangents {
   size_t numbers; /* of all */
-  double last[VARIED_PARAMETERS * 15 * 8], X[6 * 8];
+  double last[VARIED_PARAMETERS * 18 * 8], X[6 * 8];
   size_t n;
 } varied_tangents;
 

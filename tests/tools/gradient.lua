@@ -51,12 +51,15 @@ assert(read("out/gradient/swing/gradient.json"):find('"sure":true', 1, true))
 assert(read("out/gradient/swing/gradient.csv"):find("^t,x,by_k,by_m,by_start,by_speed,by_factor\n0,0.1"))
 assert(select(2, read("out/gradient/swing/gradient.csv"):gsub("\n", "\n")) == 32) -- a frame at every 0.05 s
 
--- The same of an implicit method.
-for _, way in ipairs { "forwards", "backwards" } do
-  code, text = gradient("swing.lua --of x --by k,m,start,speed --integrator implicit_midpoint --way " .. way)
-  assert(code == 0, text)
-  check(text, 1, { "k", "m", "start", "speed" })
+-- The same of an implicit method, and of one that solves one linear system a step and may choose shorter ones.
+for _, method in ipairs { "implicit_midpoint", "linear_bdf2 --dt 5e-4" } do
+  for _, way in ipairs { "forwards", "backwards" } do
+    code, text = gradient(("swing.lua --of x --by k,m,start,speed --integrator %s --way %s"):format(method, way))
+    assert(code == 0, text)
+    check(text, 1, { "k", "m", "start", "speed" })
+  end
 end
+assert(text:find("(linear_bdf2, 3000 steps of at most 0.0005 s, backwards", 1, true), text)
 
 -- Backwards, and by what the measure itself makes of a parameter.
 code, text = gradient("swing.lua --of scaled --by k,start,factor --way backwards")

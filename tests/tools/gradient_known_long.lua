@@ -273,6 +273,6 @@ one("tether", 'scene:pin { q }\nscene:constraint("cables", { edges = { { p, q } 
 one("channel", 'scene:channel("heat", { initial = 1, rate = function() return -1 end })', "the scene has channels")
 one("late", 'scene:force("drag", { d = k, from = 0.5 })', "force 'drag' begins or ends at a time")
 one("let_go", 'scene:pin({ q }, { release = 0.5 })', "a pin is released at t = 0.5 s")
-refused("late.lua --of y --by k --integrator linear_bdf2", "integrator 'linear_bdf2' does not state its step as stages")
+refused("late.lua --of y --by k --integrator tr_bdf2", "integrator 'tr_bdf2' does not state its step as stages")
 
 runs.close()

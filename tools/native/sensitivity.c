@@ -112,14 +112,17 @@ static int finish(lua_State *L) {
   return 1;
 }
 
-/* record:about() -> steps, particles, a force without an exact Jacobian or nil, bytes of the states of an adjoint */
+/* record:about() -> steps, particles, a force without an exact Jacobian or nil, bytes of the states of an adjoint, and
+ * the tolerance of a method that chooses its steps */
 static int about(lua_State *L) {
   const hk_sensitivity *s = hk_record_at(L)->steps;
   lua_pushinteger(L, (lua_Integer)s->steps);
   lua_pushinteger(L, (lua_Integer)s->n);
   lua_pushstring(L, s->inexact);
   lua_pushnumber(L, hk_sensitivity_bytes(s->steps, s->each, s->wide));
-  return 4;
+  if (!s->linearised) return 4;
+  lua_pushnumber(L, s->dynamics->system.tol);
+  return 5;
 }
 
 /* d(measure)/dp where the state changes by dX/dp: of the state and of what the script makes of the parameter. */
@@ -248,6 +251,24 @@ static int integral(lua_State *L) {
   return 1;
 }
 
+/* record:replayed(measure, j) -> the measure at the end of the same steps where parameter j is larger, and where it is
+ * smaller: of a method that chooses its steps whole runs take others. nil: it has no such steps, or they fail. */
+static int replayed(lua_State *L) {
+  record *r = hk_record_at(L);
+  size_t j = (size_t)luaL_checkinteger(L, 3) - 1;
+  luaL_argcheck(L, j < r->count, 3, "no such parameter");
+  r->measure = hk_record_measure_named(L, r, 2);
+  if (!r->steps->linearised) return 0;
+  hk_run *side[2] = {r->more[j], r->less[j]};
+  double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0), value;
+  for (int k = 0; k < 2; k++) {
+    if (hk_sensitivity_replay(r->steps, &side[k]->dynamics, X) != HK_OK) return 0;
+    if (hk_record_measure_at(r, side[k], r->run->state.t, hk_record_moved(r, X, NULL, 0), &value) != HK_OK) return 0;
+    lua_pushnumber(L, value);
+  }
+  return 2;
+}
+
 /* record:refusal(measure): why the measure at the end is none that can be differentiated, or nil. */
 static int refusal(lua_State *L) {
   record *r = hk_record_at(L);
@@ -281,6 +302,7 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"adjoint", adjoint},
                                      {"tangents", tangents},
                                      {"integral", integral},
+                                     {"replayed", replayed},
                                      {"times", hk_record_times},
                                      {"segment", hk_record_segment},
                                      {"assign", hk_record_assign},

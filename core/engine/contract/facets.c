@@ -97,7 +97,7 @@ static bool good_table(const hk_plugin *p, const hk_stages_facet *f, hk_reason_t
 
 /* Of a table that is long enough. */
 static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
-  if (p->integrator->flags & HK_ADAPTIVE)
+  if (p->integrator->flags & HK_ADAPTIVE && !(HK_HAS(f, linear) && f->linear))
     return hk_wrong(reason, "it has the facet '%s', which is for methods with a fixed step", HK_STAGES_ID);
   if (!good_table(p, f, reason)) return false;
   if (!f->start && f->back == 0) return true;

@@ -1,6 +1,7 @@
 /* The adjoint: the transposed derivative of each step, from the last one to the first. */
 #include "core/numerics/sensitivity/force_slopes.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/linearised/linearised.h"
 #include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ typedef struct adjoint {
   bool compares;             /* some force is not covered: it is compared between runs */
   double *u[HK_MOST_STAGES]; /* 3n, the adjoint of a stage's acceleration */
   double *dX;                /* 6n, that of its point */
-  double *own;               /* 3n, da/dp */
+  double *own;               /* 3n, da/dp; 3n more of linear steps */
   double *slope;
   hk_projection_slopes *by_constraints;
   double *kept; /* da/dp of all points: those of `s->shared`, or to become these; NULL: not kept */
@@ -96,7 +97,7 @@ static hk_status stage_of(adjoint *w, const hk_taken_step *step, size_t k) {
     if (status == HK_OK) status = hk_implicit_stage_pass(s, w->u[k]);
     if (status != HK_OK) return status;
   }
-  status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL);
+  status = hk_sensitivity_transposed(s, &s->point[k], w->u[k], dX, w->any ? &w->by_forces : NULL, NULL);
   for (size_t e = 0; e < v; e++) {
     L[e] += dX[e];
     L[v + e] += (m->c[k] - m->back) * h * dX[e] + dX[v + e];
@@ -115,7 +116,7 @@ static hk_status projected(adjoint *w, const hk_taken_step *step) {
   for (size_t e = 0; e < v && last > 0; e++) w->u[last][e] = end[e] + step->h * s->method->v_end[last] * L[v + e];
   memset(end, 0, v * sizeof *end);
   if (last > 0 && status == HK_OK)
-    status = hk_sensitivity_transposed(s, &s->point[last], w->u[last], dX, w->any ? &w->by_forces : NULL);
+    status = hk_sensitivity_transposed(s, &s->point[last], w->u[last], dX, w->any ? &w->by_forces : NULL, NULL);
   if (last > 0 && status == HK_OK) status = note_parameters(w, step, last);
   for (size_t e = 0; e < v && last > 0; e++) {
     L[e] += dX[e];
@@ -126,8 +127,41 @@ static hk_status projected(adjoint *w, const hk_taken_step *step) {
   return status == HK_OK ? stage_of(w, step, 0) : status;
 }
 
+/* The matrices of a linear step, by parameters that the chain rule does not find. */
+static hk_status note_matrices(adjoint *w, const hk_taken_step *step) {
+  const hk_linear_point p = hk_linearised_at(w->s, step);
+  size_t v = 3 * w->s->n, at = ((size_t)(step - w->s->step) * w->s->stages + 1) * w->count;
+  hk_status status = HK_OK;
+  for (size_t j = 0; j < w->count && status == HK_OK; j++) {
+    double *c = w->kept ? w->kept + (at + j) * v : w->own, *d = w->kept ? c + w->count * v : w->own + v;
+    if (w->chained[j] && !w->compares) continue;
+    if (!w->known) {
+      memset(c, 0, v * sizeof *c);
+      memset(d, 0, v * sizeof *d);
+      status = hk_linearised_by_parameter(w->s, &p, &w->by[j], w->chained[j] ? w->by_forces.covers : NULL, c, d);
+    }
+    double slope = hk_linearised_slope(w->s, &p, c, d);
+    w->slope[j] += slope;
+    if (w->by[j].knots) hk_knots_note(w->by[j].knots, p.t, slope);
+  }
+  return status;
+}
+
+static hk_status linear(adjoint *w, const hk_taken_step *step) {
+  hk_sensitivity *s = w->s;
+  hk_force_slopes *slopes = w->any ? &w->by_forces : NULL;
+  hk_status status = hk_linearised_return(s, step, w->L, w->u[0]);
+  if (status == HK_OK) status = hk_sensitivity_transposed(s, &s->point[0], w->u[0], w->dX, slopes, NULL);
+  if (status == HK_OK) status = note_parameters(w, step, 0);
+  if (status == HK_OK) status = hk_linearised_bend(s, step, w->dX, slopes);
+  if (status == HK_OK) status = note_matrices(w, step);
+  hk_linearised_depart(s, step, w->dX, w->L);
+  return status;
+}
+
 static hk_status step_of(adjoint *w, const hk_taken_step *step) {
   hk_status status = HK_OK;
+  if (step->linear) return linear(w, step);
   if (w->s->projection) return projected(w, step);
   depart(w, step);
   for (size_t k = hk_sensitivity_method(w->s, step)->count; k-- > 0 && status == HK_OK;) status = stage_of(w, step, k);
@@ -246,14 +280,14 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *s, double *X, const hk_varied *
                         "force '%s' states no exact Jacobian, which the derivative backwards needs: take it forwards, "
                         "by parameters",
                         s->inexact);
-  double *memory = calloc(2 * s->wide + (3 + s->stages + (s->source ? 2 * s->stride : 0)) * v, sizeof *memory);
+  double *memory = calloc(2 * s->wide + (4 + s->stages + (s->source ? 2 * s->stride : 0)) * v, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for an adjoint of %zu steps", s->steps);
   w.L = memory;
   w.Z = memory + s->wide;
   w.dX = w.Z + s->wide;
   w.own = w.dX + 2 * v;
-  for (size_t k = 0; k < s->stages; k++) w.u[k] = w.own + (1 + k) * v;
-  w.segment = s->source ? w.own + (1 + s->stages) * v : NULL;
+  for (size_t k = 0; k < s->stages; k++) w.u[k] = w.own + (2 + k) * v;
+  w.segment = s->source ? w.own + (2 + s->stages) * v : NULL;
   hk_status status = HK_OK;
   if (s->projection) status = hk_projection_vary(s, by, count, &w.by_constraints, error);
   if (s->projection) hk_projection_begin(s);

@@ -51,7 +51,7 @@ static hk_status product_at(hk_bend_pass *w, hk_dynamics *dynamics, double t, co
   hk_dynamics *own = w->s->dynamics;
   const hk_stage_point there = {t, w->X, NULL};
   w->s->dynamics = dynamics;
-  hk_status status = hk_sensitivity_transposed(w->s, &there, u, to, NULL);
+  hk_status status = hk_sensitivity_transposed(w->s, &there, u, to, NULL, NULL);
   w->s->dynamics = own;
   return status;
 }

@@ -184,20 +184,22 @@ hk_status hk_sensitivity_jacobian(hk_sensitivity *s, const hk_stage_point *p, do
 /* ---- transposed ---- */
 
 /* Which forces have no product of their own, and are not constant; whether there are any. */
-static bool take_only_blocks(hk_dynamics *d) {
+static bool take_only_blocks(hk_dynamics *d, const bool *without) {
   bool any = false;
   for (size_t k = 0; k < d->split.forces; k++) {
     const hk_force_tables *f = tables_at(d, k);
-    d->takes[k] = !f->implicit.transposed && f->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
+    d->takes[k] =
+        !(without && without[k]) && !f->implicit.transposed && f->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
     any |= d->takes[k];
   }
   return any;
 }
 
-static hk_status transposed_blocks(hk_sensitivity *s, const hk_stage_point *p, const double *force, double *dX) {
+static hk_status transposed_blocks(hk_sensitivity *s, const hk_stage_point *p, const double *force, double *dX,
+                                   const bool *without) {
   hk_matrix K, D;
   size_t v = 3 * s->n;
-  bool any = take_only_blocks(s->dynamics);
+  bool any = take_only_blocks(s->dynamics, without);
   hk_status status = any ? hk_jacobian_assemble(&s->dynamics->system, p->t, p->X, 0, &K, &D) : HK_OK;
   hk_dynamics_take_all(s->dynamics);
   for (size_t i = 0; any && i < s->n && status == HK_OK; i++)
@@ -211,11 +213,11 @@ static hk_status transposed_blocks(hk_sensitivity *s, const hk_stage_point *p, c
 }
 
 static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p, const double *force, double *dX,
-                                     hk_force_slopes *slopes) {
+                                     hk_force_slopes *slopes, const bool *without) {
   hk_dynamics *d = s->dynamics;
   hk_status status = hk_dynamics_set_time(d, p->t);
   for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
-    if (!tables_at(d, k)->implicit.transposed || !d->force_acts[k]) continue;
+    if (!tables_at(d, k)->implicit.transposed || !d->force_acts[k] || (without && without[k])) continue;
     hk_transposed into = {dX, dX + 3 * s->n, NULL, NULL};
     if (slopes && slopes->covers[k]) into.parameter = (double *const *)slopes->force[k], into.mass = slopes->mass;
     status = transposed_of(s, p, k, force, &into);
@@ -224,7 +226,7 @@ static hk_status transposed_by_force(hk_sensitivity *s, const hk_stage_point *p,
 }
 
 hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, const double *u, double *dX,
-                                    hk_force_slopes *slopes) {
+                                    hk_force_slopes *slopes, const bool *without) {
   const hk_model *model = &s->dynamics->state->model;
   const double *by_mass = model->inverse_mass;
   size_t v = 3 * s->n;
@@ -235,9 +237,9 @@ hk_status hk_sensitivity_transposed(hk_sensitivity *s, const hk_stage_point *p, 
   for (size_t i = 0; slopes && i < s->n; i++) /* a = F/m */
     for (size_t e = 3 * i; e < 3 * i + 3; e++) slopes->mass[i] -= by_mass[i] * force[e] * p->a[e];
   hk_sensitivity_divide(s, force);
-  hk_status status = transposed_blocks(s, p, force, dX);
+  hk_status status = transposed_blocks(s, p, force, dX, without);
   hk_riders_follow(model, force);
-  if (status == HK_OK) status = transposed_by_force(s, p, force, dX, slopes);
+  if (status == HK_OK) status = transposed_by_force(s, p, force, dX, slopes, without);
   hk_riders_gather(model, dX);
   hk_riders_gather(model, dX + v);
   return status;

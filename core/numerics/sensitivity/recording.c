@@ -1,6 +1,7 @@
 /* The record of a run's steps, and the steps taken again. */
 #include "core/engine/contract/contract.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/linearised/linearised.h"
 #include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
@@ -62,6 +63,8 @@ static hk_status refuse(const hk_loop *loop, hk_error *error) {
   hk_status status = refuse_method(loop, error);
   if (status == HK_OK) status = refuse_kinds(loop, error);
   if (status == HK_OK) status = hk_projection_refuse(loop, error);
+  if (status == HK_OK && hk_integrator_tables_of(loop->method)->stages.linear)
+    status = hk_linearised_refuse(loop, error);
   for (size_t k = 0; k < loop->plugins->kind[HK_FORCE].count && status == HK_OK; k++)
     status = refuse_force(loop->plugins->kind[HK_FORCE].item[k], loop->state->t, error);
   for (size_t k = 0; k < loop->pins->count && status == HK_OK; k++)
@@ -81,7 +84,13 @@ static void note_step(void *context, double h) {
   s->step = list;
   if (s->no_memory) return;
   const hk_taken_step *last = s->steps ? &s->step[s->steps - 1] : NULL;
-  s->step[s->steps] = (hk_taken_step){s->reached, h, !last || last->h != h};
+  hk_taken_step taken = {.t = s->reached, .h = h, .fresh = !last || last->h != h};
+  if (s->linearised) {
+    hk_linear_step how = s->method->linear(s->loop->integrator->self);
+    taken.linear = how == HK_STEP_LINEAR && last; /* of a run from a checkpoint the end is found to be elsewhere */
+    taken.fresh = how == HK_STEP_AFRESH || !last;
+  }
+  s->step[s->steps] = taken;
   s->steps++;
   s->reached = s->loop->state->t;
 }
@@ -131,6 +140,7 @@ static hk_status reserve(hk_sensitivity *s) {
   bool implicit = has_implicit(s->method) || (s->method->start && has_implicit(s->method->start));
   if (implicit) s->implicit = hk_implicit_stage_create(s->n);
   if (!s->exact || !s->start || !s->scratch || (implicit && !s->implicit)) return HK_NO_MEMORY;
+  if (s->method->linear && s->method->start && hk_linearised_open(s) != HK_OK) return HK_NO_MEMORY;
   hk_sensitivity_untape(s);
   memcpy(s->start, s->loop->state->X, 2 * v * sizeof *s->start);
   return HK_OK;
@@ -148,7 +158,7 @@ hk_status hk_sensitivity_open(hk_loop *loop, hk_sensitivity **made, hk_error *er
   s->n = loop->state->model.n;
   s->stages = s->method->count;
   if (s->method->start && s->method->start->count > s->stages) s->stages = s->method->start->count;
-  s->wide = (s->method->back != 0 ? 15 : 9) * s->n;
+  s->wide = (s->method->linear ? 18 : s->method->back != 0 ? 15 : 9) * s->n;
   s->reached = loop->state->t;
   if (reserve(s) != HK_OK) return hk_error_set(error, HK_NO_MEMORY, "no memory for the record of steps");
   find_exact(s);
@@ -177,9 +187,10 @@ double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
   return (kept * (double)wide + stride * (double)each) * sizeof(double);
 }
 
-/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size; of
- * speeds, which may be rounding in a scene at rest, at least to that which crosses the scene in the time. */
-static double off_by(const double *X, const double *Y, size_t n, double time) {
+/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size: of
+ * places the scene's or its way from the start; of speeds, which may be rounding in a scene at rest, at least that
+ * which crosses the scene in the time. */
+static double off_by(const double *start, const double *X, const double *Y, size_t n, double time) {
   double worst = 0, extent = 0;
   for (int half = 0; half < 2; half++) {
     double most = 0, size = half && time > 0 ? extent / time : 0;
@@ -187,6 +198,7 @@ static double off_by(const double *X, const double *Y, size_t n, double time) {
       double from = half ? 0 : Y[e % 3];
       most = fmax(most, fabs(X[e] - Y[e]));
       size = fmax(size, fabs(Y[e] - from));
+      if (!half) size = fmax(size, fabs(Y[e] - start[e]));
     }
     worst = fmax(worst, most / (size > 0 ? size : 1));
     extent = size;
@@ -218,7 +230,7 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
-  if (status == HK_OK) s->off = off_by(Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
+  if (status == HK_OK) s->off = off_by(s->start, Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
   free(Z);
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,
@@ -237,6 +249,7 @@ void hk_sensitivity_close(hk_sensitivity *s) {
   free(s->shared);
   free(s->exact);
   hk_implicit_stage_free(s->implicit);
+  hk_linearised_close(s);
   hk_projection_close(s);
   free(s->scratch);
   free(s);

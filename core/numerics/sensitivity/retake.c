@@ -1,7 +1,9 @@
 /* Steps taken again, with their points on the tape. */
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/linearised/linearised.h"
 #include "core/numerics/sensitivity/projection.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static void put_points(hk_sensitivity *s, double *at) {
@@ -19,6 +21,7 @@ void hk_sensitivity_rewind(hk_sensitivity *s, size_t step) {
   const hk_stages_facet *m = hk_sensitivity_method(s, taken);
   put_points(s, s->tape + (step - s->first) * s->each);
   for (size_t k = 0; k < m->count; k++) s->point[k].t = taken->t + m->c[k] * taken->h;
+  if (taken->linear) s->point[0].t = taken->t + taken->h;
 }
 
 hk_status hk_sensitivity_record(hk_sensitivity *s, size_t first, size_t last, hk_carried *Z) {
@@ -40,6 +43,7 @@ hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_c
   double *a[HK_MOST_STAGES];
   size_t v = 3 * s->n;
   if (s->projection) return hk_projection_step(s, step, Z);
+  if (step->linear) return hk_linearised_step(s, step, Z);
   for (size_t k = 0; k < m->count; k++) {
     hk_stage_point *p = &s->point[k];
     p->t = step->t + m->c[k] * step->h;
@@ -54,4 +58,26 @@ hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_c
   }
   hk_sensitivity_arrive(s, step, a, Z);
   return hk_dynamics_impose(s->dynamics, step->t + step->h, Z, Z + v);
+}
+
+hk_status hk_sensitivity_replay(hk_sensitivity *s, hk_dynamics *beside, double *X) {
+  hk_dynamics *own = s->dynamics;
+  hk_implicit_stage *of_own = s->implicit; /* whose factors are those of its own solver */
+  hk_carried *Z = calloc(s->wide + 1, sizeof *Z);
+  bool *projected = calloc(s->steps + 1, sizeof *projected); /* which they are in its own scene */
+  if (of_own) s->implicit = hk_implicit_stage_create(s->n);
+  hk_status status = Z && projected && (!of_own || s->implicit) ? HK_OK : HK_NO_MEMORY;
+  for (size_t k = 0; k < s->steps && projected; k++) projected[k] = s->step[k].projected;
+  if (status == HK_OK) memcpy(Z, beside->state->X, 6 * s->n * sizeof *Z);
+  s->dynamics = beside;
+  hk_sensitivity_untape(s);
+  for (size_t k = 0; k < s->steps && status == HK_OK; k++) status = hk_sensitivity_step(s, &s->step[k], Z);
+  for (size_t k = 0; k < s->steps && projected; k++) s->step[k].projected = projected[k];
+  s->dynamics = own;
+  if (of_own) hk_implicit_stage_free(s->implicit);
+  s->implicit = of_own;
+  if (status == HK_OK) memcpy(X, Z, 6 * s->n * sizeof *X);
+  free(projected);
+  free(Z);
+  return status;
 }

@@ -86,6 +86,10 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
     return hk_error_set(error, HK_FAILED,
                         "positions that constraints hold are not free numbers, as transcription takes them: take --way "
                         "shooting");
+  if (s->linearised)
+    return hk_error_set(error, HK_FAILED,
+                        "a linear step goes on from the linearisation before, which transcription has no unknowns for: "
+                        "take --way shooting, or another method, with --integrator");
   double *memory = calloc(size + (2 + s->stages) * columns * size + v + 1, sizeof *memory);
   if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
   double *Z = memory;

@@ -23,8 +23,9 @@ enum { HK_TAPE_MOST = 1 << 20 };
 enum { HK_SHARED_MOST = 1 << 23 };
 
 typedef struct hk_taken_step {
-  double t, h; /* s, its begin and its length */
-  bool fresh;  /* the first stage is evaluated, whatever the step before has left */
+  double t, h;            /* s, its begin and its length */
+  bool fresh;             /* the first stage is evaluated, whatever the step before has left */
+  bool linear, projected; /* of methods with linear steps: it is one; its factorization failed (linearised.h) */
 } hk_taken_step;
 
 /* A point at which a step evaluates: x and v, n x 3 each, one behind the other. */
@@ -34,7 +35,8 @@ typedef struct hk_stage_point {
 } hk_stage_point;
 
 /* x, v and the acceleration that the next step begins with, n x 3 each, of the state or of a tangent, and for methods
- * of two steps x and v at the begin of the step before; of an adjoint the derivatives by these. With constraints the
+ * of two steps x and v at the begin of the step before, and where steps are linear the positions of the last
+ * linearisation; of an adjoint the derivatives by these. With constraints the
  * acceleration of the state is that of the step's end, by them as well, and behind it are the multipliers that v' took.
  * hk_sensitivity.wide numbers. */
 typedef double hk_carried;
@@ -62,6 +64,7 @@ typedef struct hk_varied {
 typedef hk_status hk_adjoint_source(void *context, double t, const double *X, double *L);
 
 typedef struct hk_implicit_stage hk_implicit_stage; /* implicit_stage.h */
+typedef struct hk_linearised hk_linearised;         /* linearised/linearised.h */
 typedef struct hk_projection hk_projection;         /* projection.h */
 
 typedef struct hk_sensitivity {
@@ -70,7 +73,7 @@ typedef struct hk_sensitivity {
   const hk_stages_facet *method;
   size_t n, steps, room;
   size_t stages; /* of a step, at most */
-  size_t wide;   /* numbers that are carried from step to step: 9n, or 15n */
+  size_t wide;   /* numbers that are carried from step to step: 9n, 15n, or 18n */
   size_t each;   /* numbers of the tape that a step takes: 9n a stage, and with constraints their own */
   hk_taken_step *step;
   double reached;      /* s, the end of the last step */
@@ -98,6 +101,7 @@ typedef struct hk_sensitivity {
   hk_stage_point point[HK_MOST_STAGES];
   hk_implicit_stage *implicit; /* NULL: the method has no implicit stage */
   hk_projection *projection;   /* NULL: the scene has no constraints */
+  hk_linearised *linearised;   /* NULL: the method has no linear steps */
   double *scratch;             /* 15n, of products and differences; behind it the points of a step that is not taped */
 } hk_sensitivity;
 
@@ -157,6 +161,8 @@ hk_status hk_sensitivity_record(hk_sensitivity *, size_t first, size_t last, hk_
 void hk_sensitivity_rewind(hk_sensitivity *, size_t step);
 /* Points are no longer those of the tape. */
 void hk_sensitivity_untape(hk_sensitivity *);
+/* X (6n): where the same steps end in a scene beside, from its own start. */
+hk_status hk_sensitivity_replay(hk_sensitivity *, hk_dynamics *, double *X);
 /* Takes a step from Z to Z, and keeps its points. */
 hk_status hk_sensitivity_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z);
 
@@ -183,10 +189,11 @@ hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size
                                   const double *dX, double *a);
 /* A: da/dx and da/dv, 3n rows of 6n numbers. */
 hk_status hk_sensitivity_jacobian(hk_sensitivity *, const hk_stage_point *, double *A);
-/* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. Adds to the slopes, if there are any, the derivatives of u.a by them. */
+/* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. Adds to the slopes, if there are any, the derivatives of u.a by them. Of
+ * the forces that are not in `without`; NULL: all. */
 typedef struct hk_force_slopes hk_force_slopes; /* force_slopes.h */
 hk_status hk_sensitivity_transposed(hk_sensitivity *, const hk_stage_point *, const double *u, double *dX,
-                                    hk_force_slopes *);
+                                    hk_force_slopes *, const bool *without);
 /* da/dp, 3n, as far as it is by the forces that are not in `without`; NULL: all. */
 hk_status hk_sensitivity_by_parameter(hk_sensitivity *, const hk_stage_point *, const hk_varied *, const bool *without,
                                       double *a);

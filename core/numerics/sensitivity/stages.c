@@ -4,7 +4,7 @@
 #include <string.h>
 
 const hk_stages_facet *hk_sensitivity_method(const hk_sensitivity *s, const hk_taken_step *step) {
-  return step->fresh && s->method->start ? s->method->start : s->method;
+  return (step->fresh || s->linearised) && s->method->start ? s->method->start : s->method;
 }
 
 bool hk_sensitivity_evaluates(const hk_sensitivity *s, const hk_taken_step *step, size_t k) {

@@ -1,5 +1,6 @@
 /* Tangents: the derivative of each step, one after the other, for all parameters at once. */
 #include "core/numerics/sensitivity/implicit_stage.h"
+#include "core/numerics/sensitivity/linearised/linearised.h"
 #include "core/numerics/sensitivity/projection.h"
 
 #include <stdlib.h>
@@ -66,10 +67,22 @@ static hk_status projected(tangents *w, const hk_taken_step *step) {
   return status == HK_OK ? hk_projection_settle(s, step, w->count, w->apart, w->by_constraints, w->dZ) : status;
 }
 
+static hk_status linear(tangents *w, const hk_taken_step *step) {
+  hk_sensitivity *s = w->s;
+  for (size_t j = 0; j < w->count; j++) hk_linearised_place(s, step, w->dZ + j * w->apart, w->stage + j * w->apart);
+  hk_status status = accelerations_of(w, 0);
+  for (size_t j = 0; j < w->count && status == HK_OK; j++) {
+    size_t at = j * w->apart;
+    status = hk_linearised_tangent(s, step, &w->by[j], w->stage + at, w->a[0] + at, w->dZ + at);
+  }
+  return status;
+}
+
 static hk_status step_of(tangents *w, const hk_taken_step *step) {
   hk_sensitivity *s = w->s;
   hk_status status = hk_sensitivity_step(s, step, w->Z);
   if (s->projection) return status == HK_OK ? projected(w, step) : status;
+  if (step->linear) return status == HK_OK ? linear(w, step) : status;
   for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK; k++) status = stage_of(w, step, k);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double *a[HK_MOST_STAGES];

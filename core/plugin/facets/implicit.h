@@ -53,6 +53,16 @@ typedef struct hk_transposed {
   double *mass; /* n; NULL where `parameter` is */
 } hk_transposed;
 
+/* The number u.(by_x K + by_v D) w of the blocks as `jacobian` fills them with the same `want`, `linearised` and
+ * `reached`. */
+typedef struct hk_bilinear {
+  unsigned want;
+  const double *linearised, *reached; /* n x 3; NULL: none */
+  double by_x, by_v;                  /* s^2, s */
+  const double *u, *w;                /* n x 3 */
+  double *by_linearised, *by_reached; /* n x 3: the derivatives by these are added, where they are given */
+} hk_bilinear;
+
 /* `pattern` and `jacobian` are required. A constant force names no blocks. With explicit methods the host may ask for
  * the blocks of a force without elements and without `update` for some of its particles alone, by their view, and for
  * `jacobian` after it. */
@@ -69,6 +79,10 @@ typedef struct hk_implicit_facet {
    * either is compared between runs. */
   uint64_t not_by;
   bool of_start;
+  /* For adjoints of methods that linearise once a step, beside `transposed`: adds the derivatives of a bilinear form of
+   * the blocks by x, v and the parameters. Needed where the blocks are not those of -dF/dx and -dF/dv with every `want`
+   * and whatever was foretold; NULL: they are, or the adjoint is refused where they are not. */
+  hk_status (*bilinear)(void *self, const hk_view *view, const hk_bilinear *form, const hk_transposed *into);
 } hk_implicit_facet;
 
 #endif

@@ -23,6 +23,18 @@ const hk_dirk_tableau hk_tr_bdf2 = {
     .error_order = 2,
 };
 
+/* x is A A. */
+#define G 0.29289321881345248
+#define W 0.35355339059327376
+const hk_stages_facet hk_tr_bdf2_stages = {.size = sizeof hk_tr_bdf2_stages,
+                                           .count = 3,
+                                           .carries = true,
+                                           .c = {0, 2 * G, 1},
+                                           .x = {{0}, {G * G, G *G}, {2 * W * G, 2 * W *G, G *G}},
+                                           .v = {{0}, {G, G}, {W, W, G}},
+                                           .x_end = {2 * W * G, 2 * W *G, G *G},
+                                           .v_end = {W, W, G}};
+
 const hk_param hk_dirk_params[] = {
     HK_NEWTON_PARAMS(hk_dirk, 1e-6, "algebraic error of a step's velocities, relative to the largest RMS speed so far",
                      100, "of Newton's method in a stage, at most; then the step is halved"),

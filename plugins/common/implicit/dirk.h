@@ -21,6 +21,7 @@ typedef struct hk_dirk_tableau {
 } hk_dirk_tableau;
 
 extern const hk_dirk_tableau hk_tr_bdf2;
+extern const hk_stages_facet hk_tr_bdf2_stages; /* the same, of methods that begin with a step of it */
 extern const hk_param hk_dirk_params[], hk_dirk_adaptive_params[]; /* of instances that are, or begin with, hk_dirk */
 extern const hk_field hk_dirk_fields[];
 

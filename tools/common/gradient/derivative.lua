@@ -95,11 +95,14 @@ end
 -- Of a measure at the end of a run, relative.
 local rounding = 64 * 2 ^ -52
 
--- The derivative by whole runs: what the steps' own has to agree with, unless there is a kink between; and the part of
--- rounding in it.
-local function by_runs(case, both)
-  local more, less = derivative.advance(both.more, case.at), derivative.advance(both.less, case.at)
-  local a, b = more and more:measures()[case.of], less and less:measures()[case.of]
+-- The derivative by whole runs, or where the method chooses its steps by the same steps: what the steps' own has to
+-- agree with, unless there is a kink between; and the part of rounding in it.
+local function by_runs(case, record, j, both)
+  local a, b = record:replayed(case.of, j)
+  if not a then
+    local more, less = derivative.advance(both.more, case.at), derivative.advance(both.less, case.at)
+    a, b = more and more:measures()[case.of], less and less:measures()[case.of]
+  end
   if not (a and b) then return nil end
   return (a - b) / (2 * both.by), rounding * math.max(math.abs(a), math.abs(b)) / both.by
 end
@@ -151,9 +154,9 @@ local function execute(case)
   if not result.value then return { failed = ("the measure '%s' is not finite at t = %g s"):format(case.of, case.at) } end
   fine, why = differentiate(case, record, result)
   if not fine then return { failed = why } end
-  result.steps, result.particles, result.inexact, result.bytes = record:about()
+  result.steps, result.particles, result.inexact, result.bytes, result.tol = record:about()
   for j, pair in ipairs(case.compare and both or {}) do
-    local slope, noise = by_runs(case, pair)
+    local slope, noise = by_runs(case, record, j, pair)
     result.runs[j], result.noise[j] = slope or 0 / 0, noise or 0
   end
   return result

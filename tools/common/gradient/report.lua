@@ -33,8 +33,8 @@ function report.doubts(o, found)
 end
 
 local function print_words(o, found)
-  print(("%s: %s at t = %.9g s (%s, %d steps of %.4g s, %s, states of %.2g MB)"):format(o.scene:match("([^/]+)$"), o.of, o.at,
-    o.plugin, found.steps, found.dt, o.backwards and "backwards" or "forwards", found.bytes / 1e6))
+  print(("%s: %s at t = %.9g s (%s, %d steps of %s%.4g s, %s, states of %.2g MB)"):format(o.scene:match("([^/]+)$"), o.of, o.at,
+    o.plugin, found.steps, found.tol and "at most " or "", found.dt, o.backwards and "backwards" or "forwards", found.bytes / 1e6))
   print(("  %s = %.12g"):format(o.of, found.value))
   print(("  %-16s %14s %20s %12s %12s"):format("parameter", "value", "derivative", "by steps", "by rounding"))
   for j, p in ipairs(o.parameters) do

@@ -163,6 +163,35 @@ static void derivatives_by_forces_are_those_between_scenes(void **state) {
     }
 }
 
+/* A solid, a sheet and a rod that have no damping, and springs that have. */
+static void elastic(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  places(e, 6, p);
+  hk_plugin_spec *solid = test_plugin(e, HK_FORCE, "neo_hookean");
+  test_tuples(e, solid, "tetrahedra", 4, (const uint32_t[]){1, 2, 3, 6, 2, 4, 3, 6}, 2);
+  test_number(e, solid, "E", 2 * p[0]);
+  test_number(e, solid, "nu", 0.5 * p[1]);
+  hk_plugin_spec *membrane = test_plugin(e, HK_FORCE, "membrane");
+  test_tuples(e, membrane, "triangles", 3, (const uint32_t[]){1, 2, 3, 2, 4, 3, 2, 5, 4}, 3);
+  test_number(e, membrane, "stiffness", p[0]);
+  hk_plugin_spec *angles = test_plugin(e, HK_FORCE, "angle_springs");
+  test_edges(e, angles, (const uint32_t[][2]){{1, 2}, {2, 5}, {5, 4}}, 3);
+  test_number(e, angles, "EI", p[1]);
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
+  test_edges(e, springs, (const uint32_t[][2]){{1, 6}, {3, 5}}, 2);
+  test_number(e, springs, "k", p[0]);
+  test_number(e, springs, "damping", p[1]);
+}
+
+/* Of linear steps both ways take differences of matrices or of products, which leave 1e-9 of them. */
+static void linear_steps_have_the_matrices_of_all_forces(void **state) {
+  (void)state;
+  static varied_scene *const scenes[] = {chain, chain_and_flow, elastic};
+  for (int which = 0; which < 3; which++) {
+    double off = mismatch_of(scenes[which], 6, "linear_bdf2", 0) * of_differences;
+    if (!(off < 1e-8)) fail_msg("%d: %g", which, off);
+  }
+}
+
 /* d(x_N)/d(v_0) of an oscillator, by the start: sin(N a) h/sin a of leapfrog, cos a = 1 - (h w)^2/2. */
 static void oscillator(test_engine *e, const double p[VARIED_PARAMETERS]) {
   test_particle(e, 0.1, 0, 0, 1);
@@ -256,6 +285,7 @@ int main(void) {
       cmocka_unit_test(adjoint_is_the_transpose_of_the_tangents),
       cmocka_unit_test(states_kept_in_place_of_points_change_nothing),
       cmocka_unit_test(derivatives_by_forces_are_those_between_scenes),
+      cmocka_unit_test(linear_steps_have_the_matrices_of_all_forces),
       cmocka_unit_test(adjoint_gives_the_derivative_by_the_start),
       cmocka_unit_test(adjoint_of_implicit_steps_has_the_closed_form),
       cmocka_unit_test(further_adjoints_are_those_of_a_first_one),

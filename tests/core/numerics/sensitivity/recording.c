@@ -41,6 +41,14 @@ static void floor_below(test_engine *e) {
   test_text(e, floor, "shape", "plane");
 }
 
+static void iterative(test_engine *e) { test_plugin(e, HK_SOLVER, "pcg"); }
+
+static void rider(test_engine *e) {
+  hk_rider r = {.particle = test_particle(e, 0.5, 0, 0, 0), .carriers = 2, .carrier = {1, 2}};
+  r.weight[0] = r.weight[1] = 0.5;
+  assert_int_equal(hk_scene_add_rider(e->scene, &r, &e->error), HK_OK);
+}
+
 static void ending(test_engine *e) { e->scene->plugin[HK_FORCE].item[0]->to = 0.5; }
 
 static void plastic(test_engine *e) {
@@ -59,7 +67,10 @@ static void released(test_engine *e) {
 static void what_is_not_differentiated_is_refused(void **state) {
   (void)state;
   refused(NULL, "dopri5", "integrator 'dopri5' does not state its step as stages (stages/1)");
-  refused(NULL, "linear_bdf2", "integrator 'linear_bdf2' does not state");
+  refused(bar, "linear_bdf2", "integrator 'linear_bdf2'");
+  refused(iterative, "linear_bdf2",
+          "the linear steps of 'linear_bdf2' are not differentiated with an iterative solver");
+  refused(rider, "linear_bdf2", "the linear steps of 'linear_bdf2' are not differentiated with particles that ride");
   refused(bar, "rk4", "integrator 'rk4' brings the state back onto constraints by an iteration that is not");
   refused(cable, "leapfrog", "constraint 'cables' acts on one side only, and its begin and end are not differentiated");
   refused(floor_below, "leapfrog", "corrector 'obstacle' acts on the steps");
@@ -76,6 +87,23 @@ static void memory_grows_with_the_root_of_the_steps(void **state) {
   assert_true(fabs(few - 300 * 9 * 1000 * 8.0) < 1);
   assert_true(many < 10.1 * few);
   assert_true(fabs(hk_sensitivity_bytes(100, 4 * 90, 90) - (9 * 10 + 100 * 4 * 9 * 10) * 8.0) < 1);
+}
+
+static void braked(test_engine *e, const double p[VARIED_PARAMETERS]) {
+  test_particle(e, 0, 0, 0, 1);
+  e->scene->particles.velocity[0] = p[3];
+  test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 60);
+}
+
+/* Of one particle that comes to rest the last speed is e^-60 of the first, and its place is the origin of all others:
+ * its way is its size, and rounding is a part of that. */
+static void a_particle_at_rest_is_where_it_was(void **state) {
+  (void)state;
+  varied_runs r;
+  varied_open(&r, braked, "bdf2", (double[]){1, 1, 1, 1}, 0, 5e-3);
+  varied_run(&r, 1);
+  assert_true(r.s->off < 1e-12);
+  varied_close(&r);
 }
 
 /* Hooks of the run are called as before, and are its own again afterwards. */
@@ -95,6 +123,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_not_differentiated_is_refused),
       cmocka_unit_test(memory_grows_with_the_root_of_the_steps),
+      cmocka_unit_test(a_particle_at_rest_is_where_it_was),
       cmocka_unit_test(the_run_keeps_its_hooks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
