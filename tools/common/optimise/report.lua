@@ -11,7 +11,9 @@ local ranges = require("common.optimise.ranges")
 
 local report = {}
 
-local function plain(x) return x and x == x and math.abs(x) < math.huge and x or journal.json.null end
+local null = journal.json.null
+
+local function plain(x) return x and x == x and math.abs(x) < math.huge and x or null end
 
 -- What is missing of goal g, by what evaluation.lua says of it; nil: that is not known.
 local function missed(goal, misses, g)
@@ -72,15 +74,15 @@ local function json_text(o, optima)
       controls[j] = { name = control.name, duration = control.duration, values = control.values }
     end
     for g, goal in ipairs(o.goals) do
-      goals[g] = { name = goal.name, value = goal.value, min = goal.min, max = goal.max, at = goal.at,
+      goals[g] = { name = goal.name, value = plain(goal.value), min = plain(goal.min), max = plain(goal.max), at = goal.at,
         off = plain(missed(goal, optimum.misses, g)), replayed_off = plain(missed(goal, optimum.replay.misses, g)) }
     end
-    list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum),
+    list[k] = { cost = optimum.cost, levels = journal.list(optimum.levels or {}), error_by_knots = plain(error_by_knots(optimum)),
       iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
-      goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
+      goals = journal.list(goals), controls = controls, doubts = journal.list(optimum.doubts) }
   end
-  return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,
-    optima = list, answer = o.answer, sure = #optima[1].doubts == 0 }
+  return journal.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = plain(o.dt),
+    optima = list, answer = o.answer == nil and null or o.answer, sure = #optima[1].doubts == 0 }
 end
 
 local function csv_text(controls)
