@@ -58,6 +58,7 @@ for _, p in ipairs(json.decode((explain("--json"))).plugins) do
   assert(p.kind ~= "force" or p.differentiated_by == (p.name == "field" and "blocks" or "itself"), p.name)
 end
 text = explain("")
-assert(text:find("field  .*derivatives %(gradient, optimise%): by the host, from the blocks") and not text:find("derivatives.*derivatives"), text)
+assert(text:find("field  .*derivatives %(gradient, optimise%): by the host, from the blocks")
+  and not text:find("derivatives.*derivatives"), text)
 
 os.execute("rm -rf " .. folder)
