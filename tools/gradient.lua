@@ -64,7 +64,10 @@ local function take_controls(o, controls)
     if control and o.way == "forwards" then
       return nil, ("--way forwards: %s is a function of time, whose values at knots are taken backwards"):format(p.name)
     end
-    if control then p.values, p.duration, o.by_controls = control.values, control.duration, true end
+    if control then
+      p.values, p.duration, o.by_controls = control.values, control.duration, true
+      o.params[p.name] = nil -- what is given are these values
+    end
   end
   return true
 end

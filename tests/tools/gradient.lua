@@ -258,6 +258,9 @@ for k, knot in ipairs(knots) do
   assert(math.abs(knot.derivative - wanted) < 0.005 ^ 2, ("t = %g s: %.9g"):format(knot.t, knot.derivative)) -- h^2, the trapezium rule
 end
 assert(read("out/gradient/pushed/gradient.png"):find("^\137PNG"))
+-- So pushed it comes to rest, and its end has neither extent nor speed, to which the steps taken again would be compared.
+code, text = gradient("pushed.lua --of x --by push push='1: 6 3.6 1.2 -1.2 -3.6 -6'")
+assert(code == 0 and math.abs(derivative(text:gsub("6 knots", "6"), "push") - 0.5) < 1e-9, text)
 refused("pushed.lua --of x --by push=3", "push is a function of time: its values are given by push=")
 refused("pushed.lua --of x --by push --way forwards", "push is a function of time, whose values at knots are taken backwards")
 

@@ -140,7 +140,8 @@ function asked.contradiction(o, found)
     return ("the goal %s cannot be met within the bounds of the controls: wider bounds, or more time"):format(goal_words(goal))
   end
   if #found.others == 0 then
-    return ("the goal %s cannot be met: the controls do not change it; leave it out, or add a control that does"):format(goal_words(goal))
+    return ("the goal %s cannot be met: the controls do not change it where they are; leave it out, add a control that does, or "
+      .. "begin elsewhere (--starts 3)"):format(goal_words(goal))
   end
   local list = {}
   for k, row in ipairs(found.others) do list[k] = goal_words(o.goals[row]) end

@@ -118,6 +118,13 @@ local function draw(o, optima)
     x = { label = "t, s" }, y = { label = "control" }, curves = curves })
 end
 
+-- Controls that go on behind the last goal count there, too: what a knot before it does, it does on both sides.
+local function over_all(o)
+  local longest = 0
+  for _, control in ipairs(o.controls) do longest = math.max(longest, control.duration) end
+  return longest > o.at * (1 + 1e-9) and (" over all of their %.9g s"):format(longest) or ""
+end
+
 -- Prints and writes everything; or nil and why not.
 function report.write(o, optima)
   o.answer, o.unanswered = description.answer("optimise", o, json_text(o, optima), "optima")
@@ -135,7 +142,7 @@ function report.write(o, optima)
     return fine and not o.unanswered, why or o.unanswered
   end
   print(("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
-    and "cost" or "integral of the squares of the controls", o.at, o.plugin, o.dt))
+    and "cost" or "integral of the squares of the controls" .. over_all(o), o.at, o.plugin, o.dt))
   for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
   if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
   local first = optima[1].controls[1].name
