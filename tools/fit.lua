@@ -174,6 +174,8 @@ end
 local fields = { scene = "scene", data = "data", params = "params", by = "parameters", prior = "parameters", starts = "option",
   tolerance = "option", accuracy = "option", most = "option", integrator = "option", seed = "option", jobs = "option" }
 
+local most_starts = 10000
+
 local function options()
   local o, why = description.parse("fit", parser, fields)
   if not o then return nil, why end
@@ -181,6 +183,7 @@ local function options()
   fine, why = command_line.take_scene("fit", o)
   if not fine then return nil, why end
   if not o.data then return nil, "no data: --data FILE.csv" end
+  if o.starts > most_starts then return nil, ("--starts: %d are more than %d: take fewer"):format(o.starts, most_starts) end
   o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
   o.prior_words = {}

@@ -128,6 +128,8 @@ code, text = fit("throw.lua --data mark.csv --by v,g")
 assert(code == 0, text)
 write("semi.csv", "t;x\n1;3,5\n")
 refused("throw.lua --data semi.csv --by v", "semi.csv:1: the columns are apart by semicolons: put commas between them")
+refused("throw.lua --data . --by v", "cannot read .: it is no file of text, but perhaps a folder")
+refused("throw.lua --data plain.csv --by v=1:0:9 --starts 1e9", "--starts: 1000000000 are more than 10000: take fewer")
 write("nan.csv", "t,x\n1,nan\n")
 refused("throw.lua --data nan.csv --by v", "nan.csv:2: x: 'nan' is not a finite number: the cell of a gap stays empty")
 write("long.lua", 'local T = param("T", 2, "s")\nlocal scene = hooke.scene { duration = T }\n'

@@ -73,6 +73,11 @@ end
 function data.read(path, known, duration)
   local file, why = io.open(path)
   if not file then return nil, ("cannot read %s"):format(why) end
+  if not file:read(0) and file:seek("end") ~= 0 then
+    file:close()
+    return nil, ("cannot read %s: it is no file of text, but perhaps a folder"):format(path)
+  end
+  file:seek("set")
   local names, columns, list, number = nil, nil, {}, 0
   for line in file:lines() do
     number = number + 1
