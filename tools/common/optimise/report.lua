@@ -25,7 +25,8 @@ end
 function report.doubts(o, optimum)
   local list = {}
   if optimum.ended ~= "converged" then
-    list[1] = ("it ended after %s; goals that contradict each other or are out of reach cannot be met"):format(optimum.ended)
+    list[1] = ("it ended after %s%s"):format(optimum.ended, optimum.ended:find("--most", 1, true) and ": give --most more"
+      or "; goals that contradict each other or are out of reach cannot be met")
   end
   if optimum.unrefined then list[#list + 1] = "with more knots: " .. optimum.unrefined end
   if optimum.replay.failed then
