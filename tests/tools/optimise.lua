@@ -45,7 +45,7 @@ write("lone.lua", [[
 local which = param("which", "rest")
 local scene = hooke.scene { duration = 1, fps = 20, integrator = "leapfrog", dt = 1e-2 }
 local p = scene:particle { mass = 2 }
-local u = scene:control("push", { knots = 11, min = which == "bounds" and -1 or nil, max = which == "bounds" and 1 or nil })
+local u = scene:control("push", { knots = 11, help = "m/s^2", min = which == "bounds" and -1 or nil, max = which == "bounds" and 1 or nil })
 scene:force("gravity", { g = function(t) return u(t), 0, 0 end })
 scene:measure("x", function(s) return s:position(p)[1] end)
 scene:measure("v", function(s) return s:velocity(p)[1] end)
@@ -55,6 +55,7 @@ return scene
 local lone
 lone, iterations, text = optimum("lone.lua --goal x=1,v=0")
 assert(math.abs(lone / 12 - 1) < 5e-4 and iterations == 1, text) -- 12 d^2/T^3; leapfrog's end is off by h^2 (4e-4 of it)
+assert(read("out/optimise/lone/controls.gp"):find("push (m/s^2)", 1, true))
 refused("lone.lua --goal x=1,v=0 which=bounds", "the goal 'x' = 1 at 1 s cannot be met within the bounds of the controls")
 refused("lone.lua --goal x=1 which=endless", "the cost has no lower bound: it falls as far as controls are let")
 text = select(3, optimum("lone.lua --goal x=1,v=0 --at 0.5"))

@@ -32,8 +32,10 @@ function asked.choose_controls(o, explained)
     wanted = wanted or {}
     for name in word:gmatch("[^,%s]+") do wanted[name] = true end
   end
+  local help = {}
+  for _, p in ipairs(explained.parameters) do help[p.name] = p.help end
   for k, control in ipairs(explained.controls) do
-    names[k] = control.name
+    names[k], control.help = control.name, help[control.name]
     if not wanted or wanted[control.name] then list[#list + 1] = control end
     if wanted then wanted[control.name] = nil end
     control.min = control.min == control.min and control.min or nil

@@ -104,6 +104,13 @@ function report.keep(o, controls)
   end
 end
 
+-- The name of a single control, and what the scene says of it, which has its unit.
+local function axis_of(o)
+  local control = o.controls[1]
+  if #o.controls > 1 then return "control" end
+  return control.help and control.help ~= "" and ("%s (%s)"):format(control.name, control.help) or control.name
+end
+
 local function draw(o, optima)
   local curves = {}
   for k, optimum in ipairs(optima) do
@@ -116,7 +123,7 @@ local function draw(o, optima)
     end
   end
   return plot.draw(o.out .. "/controls", { title = ("%s: controls and their cost"):format(o.scene:match("([^/]+)$")),
-    x = { label = "t, s" }, y = { label = "control" }, curves = curves })
+    x = { label = "t, s" }, y = { label = axis_of(o) }, curves = curves })
 end
 
 -- Controls that go on behind the last goal count there, too: what a knot before it does, it does on both sides.
