@@ -3,6 +3,7 @@
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")
+local journal = require("common.bench.journal")
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
 
@@ -45,6 +46,8 @@ local function seconds(x)
   return x ~= x and "not known" or x == math.huge and "any" or x == 0 and "none" or ("%.4g s"):format(x)
 end
 
+local by_host = { blocks = "from the blocks of its Jacobian; by its parameters from differences", differences = "from differences" }
+
 local function print_loaded(e)
   print(("%s: %d particles (%d pinned), %d triangles, %.4g kg; state %.3g MB"):format(e.scene, e.particles, e.pinned,
     e.triangles, e.mass, e.state_bytes / 1e6))
@@ -55,6 +58,8 @@ local function print_loaded(e)
     if p.apart then
       print("                 without parts (add_part): every evaluation goes through all particles once more for it")
     end
+    local from = by_host[p.differentiated_by]
+    if from then print("                 derivatives (gradient, optimise): by the host, " .. from) end
   end
 end
 
@@ -118,12 +123,21 @@ local function print_contact(e)
     or "the barrier with an implicit method is cheaper, though it damps more"))
 end
 
+-- Lists are lists where they are empty, and what there is none of is null.
+local function print_json(e)
+  for _, key in ipairs { "warnings", "steps", "measures", "plugins", "parameters", "controls", "goals" } do
+    e[key] = journal.list(e[key])
+  end
+  for _, key in ipairs { "cost", "contact", "solver_libraries" } do e[key] = e[key] == nil and json.null or e[key] end
+  command_line.print_json(journal.encode(e, json))
+end
+
 local function explain(o)
   local e, message = hooke.explain(o.path, o.given, { trust = o.trust })
   if not e then return fail(message) end
   e.contact = contact_advice(e, o)
   if o.json then
-    command_line.print_json(json.encode(e))
+    print_json(e)
   else
     print_loaded(e)
     print_solver(e)

@@ -23,6 +23,7 @@ local function parser()
   p:argument("scene", "the scene's script, or one with hooke.fit{}, and values of parameters that are not fitted, name=value"):args("+")
   p:option("--data", "a table (CSV): t in s, measures of the scene, NAME_sd their standard deviations; cells may be empty")
   p:option("--by", "the parameters to find, k,c; with a start and bounds, k=20:1:1000 (those of param())"):count("*")
+  p:option("--prior", "what is known of parameters beside the data, k=MEAN:DEVIATION"):count("*")
   p:option("--starts", "how many starts, over the bounds, beside the first"):default("0"):convert(function(text)
     if text == "0" then return 0 end
     return command_line.whole("--starts")(text)
@@ -75,8 +76,12 @@ local function read_data(o, explained)
   o.observations, o.plugin = list, start.integrator
   o.weighted, why = check_weights(list)
   if why then return nil, ("%s: %s"):format(o.data, why) end
-  if #list < #o.parameters then
-    return nil, ("%s: %d numbers cannot determine %d parameters"):format(o.data, #list, #o.parameters)
+  if o.prior_words[1] and not o.weighted then
+    return nil, ("--prior: the data have no standard deviations, beside which a prior has a weight: a column %s_sd in %s"):format(
+      list[1].name, o.data)
+  end
+  if #list + #o.prior_words < #o.parameters then
+    return nil, ("%s: %d numbers cannot determine %d parameters: fit fewer, or measure more"):format(o.data, #list, #o.parameters)
   end
   return true
 end
@@ -89,6 +94,24 @@ local function is_adaptive(name)
   end
 end
 
+-- o.priors[j] of each parameter, { mean =, sd = } or false; or nil and what is wrong.
+local function take_priors(o)
+  o.priors = {}
+  for j in ipairs(o.parameters) do o.priors[j] = false end
+  for _, word in ipairs(o.prior_words) do
+    local at
+    for j, p in ipairs(o.parameters) do at = p.name == word.name and j or at end
+    if not at then return nil, ("--prior: %s is not fitted: name it in --by too"):format(word.name) end
+    if o.priors[at] then return nil, ("--prior: %s is there twice"):format(word.name) end
+    if not (word.start and word.low and not word.high) then
+      return nil, ("--prior: %s: a mean and a standard deviation, %s=MEAN:DEVIATION"):format(word.name, word.name)
+    end
+    if word.low <= 0 then return nil, ("--prior: %s: the standard deviation, %g, is not above 0"):format(word.name, word.low) end
+    o.priors[at] = { mean = word.start, sd = word.low }
+  end
+  return true
+end
+
 local function prepare(o)
   o.names, o.low, o.high, o.scale, o.first = {}, {}, {}, {}, {}
   for j, p in ipairs(o.parameters) do
@@ -97,13 +120,16 @@ local function prepare(o)
       return nil, ("--starts: %s has no bounds to spread starts over: --by %s=%g:LOW:HIGH"):format(p.name, p.name, p.start)
     end
   end
+  local fine, wrong = take_priors(o)
+  if not fine then return nil, wrong end
   local fingerprint = journal.of_scene(o.scene, o.params) .. journal.canonical { o.observations, o.names, o.integrator or "",
     o.seed or "" }
   local why
   o.journal, why = journal.open(o.out .. "/runs.json", journal.hash(fingerprint))
   if not o.journal then return nil, why end
   o.runs = runs.new { scene = o.scene, names = o.names, observations = o.observations, given = o.params, trust = o.trust,
-    seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), tol = o.tol, journal = o.journal, jobs = o.jobs }
+    seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), tol = o.tol, journal = o.journal, jobs = o.jobs,
+    priors = o.priors }
   return true
 end
 
@@ -113,7 +139,8 @@ local function search(o)
   local bar = progress.new { what = "fit", quiet = o.quiet }
   o.runs.tick = function() bar:tick() end
   for k, start in ipairs(starts) do
-    o.note = function(iteration, cost)
+    o.note = function(iteration, cost, p)
+      report.keep(o, p, cost)
       bar:add { note = ("start %d of %d, iteration %d, sum of squares %.6g"):format(k, #starts, iteration, cost) }
     end
     local state, why = fitting.from(start, o)
@@ -144,8 +171,10 @@ local function judge(o, best)
 end
 
 -- What hooke.fit{} of a script may say.
-local fields = { scene = "scene", data = "data", params = "params", by = "parameters", starts = "option", tolerance = "option",
-  accuracy = "option", most = "option", integrator = "option", seed = "option", jobs = "option" }
+local fields = { scene = "scene", data = "data", params = "params", by = "parameters", prior = "parameters", starts = "option",
+  tolerance = "option", accuracy = "option", most = "option", integrator = "option", seed = "option", jobs = "option" }
+
+local most_starts = 10000
 
 local function options()
   local o, why = description.parse("fit", parser, fields)
@@ -154,8 +183,12 @@ local function options()
   fine, why = command_line.take_scene("fit", o)
   if not fine then return nil, why end
   if not o.data then return nil, "no data: --data FILE.csv" end
+  if o.starts > most_starts then return nil, ("--starts: %d are more than %d: take fewer"):format(o.starts, most_starts) end
   o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
+  o.prior_words = {}
+  if #o.prior > 0 then o.prior_words, why = parameters.wanted(o.prior, "--prior") end
+  if not o.prior_words then return nil, why end
   return o
 end
 
@@ -189,6 +222,7 @@ local function main()
     return o.unanswered and 1 or 4
   end
   o.journal:remove()
+  report.forget(o)
   return report.is_sure(minima[1]) and 0 or 2
 end
 

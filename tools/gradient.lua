@@ -15,7 +15,7 @@ local function parser()
   local p = argparse("hooke gradient", "The derivative of a measure of a scene by its parameters.")
   p:argument("scene", "the scene's script, and values of other parameters, name=value"):args("+")
   p:option("--of", "the measure, as scene:measure() names it")
-  p:option("--by", "the parameters, k,c; at another value than their own, k=20"):count("*")
+  p:option("--by", "the parameters, k,c; at another value than their own, k=20; or controls, by their values at knots"):count("*")
   p:option("--at", "s, the time at which the measure is taken (the end)"):convert(command_line.positive("--at"))
   p:option("--way", "forwards, backwards, or auto: backwards for more than eight parameters"):default("auto")
     :choices { "auto", "forwards", "backwards" }
@@ -52,12 +52,34 @@ local function check_measure(o, measures)
     or #names > 0 and "it has " .. table.concat(names, ", ") or "it has none: scene:measure(name, function)")
 end
 
+-- Parameters that are controls get their `values` at knots and `duration`; or nil and what is wrong.
+local function take_controls(o, controls)
+  local by_name = {}
+  for _, control in ipairs(controls) do by_name[control.name] = control end
+  for _, p in ipairs(o.parameters) do
+    local control = by_name[p.name]
+    if control and p.start then
+      return nil, ("--by: %s is a function of time: its values are given by %s=\"...\", as hooke optimise writes it"):format(p.name, p.name)
+    end
+    if control and o.way == "forwards" then
+      return nil, ("--way forwards: %s is a function of time, whose values at knots are taken backwards"):format(p.name)
+    end
+    if control then
+      p.values, p.duration, o.by_controls = control.values, control.duration, true
+      o.params[p.name] = nil -- what is given are these values
+    end
+  end
+  return true
+end
+
 -- Fills in what the scene says; or nil and what is wrong.
 local function ready(o)
   local explained, why = case_process.explain(o.scene, o.params, { trust = o.trust, integrator = o.integrator,
     without = o.without })
   if not explained then return nil, why end
   local fine
+  fine, why = take_controls(o, explained.controls)
+  if not fine then return nil, why end
   fine, why = parameters.complete(o.parameters, explained, o.params)
   if not fine then return nil, why end
   if o.at and o.at > explained.duration then
@@ -73,7 +95,7 @@ local function ready(o)
   fine, why = check_measure(o, start.measures)
   if not fine then return nil, why end
   o.plugin = start.integrator
-  o.backwards = o.way == "backwards" or o.way == "auto" and #o.parameters > derivative.most_forwards
+  o.backwards = o.way == "backwards" or o.by_controls or o.way == "auto" and #o.parameters > derivative.most_forwards
   local made, refused = files.make_folder(o.out)
   if not made then return nil, refused end
   return true
@@ -90,6 +112,19 @@ local function methods()
   return names, order
 end
 
+-- Derivatives by the knots of a control go to found.knots; their sum, by all of it at once, stands in their place.
+local function with_knots(o, found)
+  found.knots = {}
+  for j, p in ipairs(o.parameters) do
+    found.knots[j] = p.values and found.slopes[j] or false
+    if p.values then
+      found.slopes[j] = 0
+      for _, slope in ipairs(found.knots[j]) do found.slopes[j] = found.slopes[j] + slope end
+    end
+  end
+  return found
+end
+
 local function take(o, changes)
   local case = {}
   for _, key in ipairs { "scene", "params", "parameters", "of", "at", "integrator", "dt", "seed", "trust", "backwards",
@@ -97,14 +132,15 @@ local function take(o, changes)
     case[key] = o[key]
   end
   for key, value in pairs(changes) do case[key] = value end
-  return derivative.take(case)
+  local found = derivative.take(case)
+  return found.slopes and with_knots(o, found) or found
 end
 
 -- The derivative and its errors, from a run, one whose differences are wider, and one of half the step.
 local function find(o)
   local names, order = methods()
   local found = take(o, { compare = true })
-  if found.failed and o.way == "auto" and o.backwards and found.failed:find("take it forwards", 1, true) then
+  if found.failed and o.way == "auto" and o.backwards and not o.by_controls and found.failed:find("take it forwards", 1, true) then
     o.backwards = false
     found = take(o, { compare = true })
   end
@@ -116,13 +152,14 @@ local function find(o)
   local wider = take(o, { factor = 4, dt = o.dt or not found.tol and found.dt or nil })
   -- of a method that chooses its steps the error of one is that of its tolerance, of the next order
   local finer = take(o, { dt = found.dt / 2, tol = found.tol and found.tol / 2 ^ ((order[o.plugin] or 1) + 1) })
-  found.rounding, found.by_steps, found.unrefined = {}, {}, finer.failed
+  found.rounding, found.by_steps, found.wider, found.unrefined = {}, {}, {}, finer.failed
   local gain = 2 ^ (order[o.plugin] or 1)
   for j, slope in ipairs(found.slopes) do
-    found.rounding[j] = wider.slopes and math.abs(wider.slopes[j] - slope) or 0 / 0
+    found.rounding[j] = wider.slopes and math.max(math.abs(wider.slopes[j] - slope), found.noise[j] / 128) or 0 / 0 -- or half a bit
     found.by_steps[j] = finer.slopes and math.abs(finer.slopes[j] - slope) * gain / (gain - 1)
+    found.wider[j] = wider.slopes and wider.slopes[j]
   end
-  found.doubts = report.doubts(o, found)
+  found.doubts, found.remarks = report.doubts(o, found), report.remarks(o, found)
   return found
 end
 

@@ -86,6 +86,8 @@ if not found then
 end
 local verdict, reason = judge(found)
 found.verdict, found.reason = verdict, reason
-if found.lowered ~= found.lowered then found.lowered = nil end
-if o.json then command_line.print_json(cjson.encode(found)) else say(o, found, verdict, reason) end
+if o.json then
+  if found.lowered ~= found.lowered then found.lowered = cjson.null end -- not known
+  command_line.print_json(cjson.encode(found))
+else say(o, found, verdict, reason) end
 return verdict == "ok" and 0 or 5

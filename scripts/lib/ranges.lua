@@ -18,7 +18,16 @@ local function check(what, from, to, count, scale)
     error(what .. ": the ends of a range are two finite numbers", 3)
   end
   if math.type(count) ~= "integer" or count < 1 or count > most then
-    error(("%s: the number of values is a whole number from 1 to %d"):format(what, most), 3)
+    error(("%s: the number of values is a whole number from 1 to %d, not %s"):format(what, most, tostring(count)), 3)
+  end
+  if from > to then
+    error(("%s: from %.9g to %.9g is in reverse: the lesser end comes first"):format(what, from, to), 3)
+  end
+  if from == to and count > 1 then
+    error(("%s: %d values from %.9g to %.9g are one and the same: two ends that differ, or one value"):format(what, count, from, to), 3)
+  end
+  if from < to and count == 1 and what ~= "random" and what ~= "latin" and what ~= "normal" then
+    error(("%s: one value from %.9g to %.9g would be the first end alone: two values or more"):format(what, from, to), 3)
   end
   if scale ~= nil and scale ~= "log" and scale ~= "linear" then
     error(("%s: the scale is 'linear' or 'log', not '%s'"):format(what, scale), 3)
@@ -137,7 +146,7 @@ local function word_of(text, word, given)
   elseif kinds[word] == "linear" then given.scale = "linear"
   elseif kinds[word] then given.sample = word
   elseif word == "whole" then given.whole = true
-  elseif word:match("^%d+$") then given.count = math.tointeger(tonumber(word))
+  elseif word:match("^[-+]?%d+$") then given.count = math.tointeger(tonumber(word))
   else
     error(("'%s': '%s' is neither linear, log, random, latin, normal, whole nor a number of values"):format(text, word), 0)
   end

@@ -40,4 +40,25 @@ assert(text:find("the barrier with an implicit method is cheaper", 1, true), tex
 text = explain("barrier=false")
 assert(not text:find("\ncontact\n", 1, true), text)
 
+-- Who differentiates forces, and keys that are there where there is nothing of it.
+text = explain("barrier=false --json")
+local all = json.decode(text)
+assert(text:find('"warnings":%['), text)
+for _, key in ipairs { "cost", "contact", "solver_libraries" } do assert(all[key] ~= nil, key) end
+file = assert(io.open(folder .. "/pair.lua", "w"))
+file:write([[
+local scene = hooke.scene { duration = 1 }
+local p, q = scene:particle {}, scene:particle { position = { 1, 0, 0 } }
+scene:force("springs", { edges = { { p, q } }, k = 1 })
+scene:force("field", { f = function(_, x) return -x, 0, 0 end })
+return scene
+]])
+file:close()
+for _, p in ipairs(json.decode((explain("--json"))).plugins) do
+  assert(p.kind ~= "force" or p.differentiated_by == (p.name == "field" and "blocks" or "itself"), p.name)
+end
+text = explain("")
+assert(text:find("field  .*derivatives %(gradient, optimise%): by the host, from the blocks")
+  and not text:find("derivatives.*derivatives"), text)
+
 os.execute("rm -rf " .. folder)

@@ -201,6 +201,72 @@ for _, way in ipairs { "forwards", "backwards" } do
   assert(math.abs(derivative(text, "m")) < 1e-10, text) -- eps/1e-5
 end
 
+-- ---- a measure that jumps, a parameter that does nothing, one that sets the duration or the steps ----
+
+write("free.lua", [[
+local F, unused, T = param("F", 2, "N"), param("unused", 5), param("T", 1, "s")
+local h = param("h", 0.01, "s")
+local scene = hooke.scene { duration = T, fps = 10, integrator = "leapfrog", dt = h }
+local p = scene:particle { position = { 3, 0, 0 }, mass = 2 }
+scene:force("gravity", { g = { F / 2, 0, 0 } })
+scene:measure("x", function(s) return s:position(p)[1] end) -- 3 + F T^2/4
+scene:measure("branch", function(s) return s:position(p)[1] > 3.5 and 7 or 3.5 end)
+return scene
+]])
+code, text = gradient("free.lua --of branch --by F")
+assert(code == 2 and text:find("not sure: F: differences four times as wide give", 1, true), text)
+code, text = gradient("free.lua --of x --by F,unused")
+assert(code == 0 and text:find("unused changes nothing of 'x', at no frame", 1, true), text)
+assert(not text:find("F changes", 1, true), text)
+local described = read("out/gradient/free/gradient.json")
+assert(described:find('"doubts":[]', 1, true) and described:find('"remarks":["unused', 1, true), described)
+code, text = gradient("free.lua --of x --by T")
+assert(code == 2 and text:find("T: a run with a little less or more of it ends earlier: run: to: 1 s is after", 1, true), text)
+code, text = gradient("free.lua --of x --by h")
+assert(code == 0 or text:find("h: whole runs beside give .* it changes the steps themselves"), text)
+
+-- 1e-4 s are one step: the difference of two numbers near 3 is eps/2 3/1.5e-5 off, which is said.
+code, text = gradient("free.lua --of x --by F --at 1e-4")
+local by, _, off = derivative(text, "F")
+assert(code == 0 and math.abs(by - 2.5e-9) <= off and off < 1e-10, text)
+
+-- When a run passes a kink: where the force ends at x = 1, at t = 0.1 s.
+write("edge.lua", [[
+local far = param("far", 0.9, "m")
+local scene = hooke.scene { duration = 0.3, fps = 60, integrator = "rk4", dt = 1e-2 }
+local p = scene:particle { position = { far, 0, 0 }, velocity = { 1, 0, 0 } }
+scene:force("field", { f = function(_, x) return x > 1 and -50 or 0, 0, 0 end })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+code, text = gradient("edge.lua --of x --by far")
+assert(code == 2 and text:find("lies between, by t = 0.1[01]", 1), text)
+
+-- ---- by a function of time: x = integral of (1 - t) u(t) dt, of hats as wide as knots are apart ----
+
+write("pushed.lua", [[
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "leapfrog", dt = 0.005 }
+local p = scene:particle {}
+local u = scene:control("push", { knots = 6 })
+scene:force("gravity", { g = function(t) return u(t), 0, 0 end })
+scene:measure("x", function(s) return s:position(p)[1] end)
+return scene
+]])
+code, text = gradient("pushed.lua --of x --by push")
+assert(code == 0 and math.abs(derivative(text:gsub("6 knots", "6"), "push") - 0.5) < 1e-12, text)
+local knots, d = require("cjson").decode((read("out/gradient/pushed/gradient.json"))).parameters[1].knots, 0.2
+assert(#knots == 6)
+for k, knot in ipairs(knots) do
+  local wanted = k == 1 and d / 2 - d * d / 6 or k == 6 and d * d / 6 or d * (1 - knot.t)
+  assert(math.abs(knot.derivative - wanted) < 0.005 ^ 2, ("t = %g s: %.9g"):format(knot.t, knot.derivative)) -- h^2, the trapezium rule
+end
+assert(read("out/gradient/pushed/gradient.png"):find("^\137PNG"))
+-- So pushed it comes to rest, and its end has neither extent nor speed, to which the steps taken again would be compared.
+code, text = gradient("pushed.lua --of x --by push push='1: 6 3.6 1.2 -1.2 -3.6 -6'")
+assert(code == 0 and math.abs(derivative(text:gsub("6 knots", "6"), "push") - 0.5) < 1e-9, text)
+refused("pushed.lua --of x --by push=3", "push is a function of time: its values are given by push=")
+refused("pushed.lua --of x --by push --way forwards", "push is a function of time, whose values at knots are taken backwards")
+
 -- ---- a run that explodes has no derivative worth the name ----
 
 write("explode.lua", [[

@@ -67,6 +67,13 @@ runs.refused("optimise ball.lua --starts=-2", "--starts: '-2' is not a whole num
 if pcall(require, "luasql.sqlite3") then
   runs.refused("sweep ball.lua k=", "sweep: k: '': a value between the commas is missing")
   runs.refused("sweep ball.lua k=1..2:foo:3", "sweep: k: '1..2:foo:3': 'foo' is neither linear")
+  for span, why in pairs { ["99..98:3"] = "from 99 to 98 is in reverse: the lesser end comes first",
+    ["10..1:log:3"] = "from 10 to 1 is in reverse", ["99..98:normal:3"] = "from 99 to 98 is in reverse",
+    ["9..9:3"] = "3 values from 9 to 9 are one and the same: two ends that differ, or one value",
+    ["9..9:random:3"] = "3 values from 9 to 9 are one and the same", ["9..10:1"] = "one value from 9 to 10 would be the first end alone",
+    ["9..10:0"] = "is a whole number from 1 to 1000000, not 0", ["9..10:-1"] = "is a whole number from 1 to 1000000, not -1" } do
+    runs.refused("sweep ball.lua k=" .. span, why)
+  end
   runs.refused("sweep ball.lua --dt 1..x", "sweep: --dt: '1..x': how many values?")
   runs.refused("sweep ball.lua --report", "--report: there is no out/sweep/ball.db: run the sweep first, or name its database with --db")
   runs.fails("sweep ball.lua --merge junk", "cannot merge junk: file is not a database")

@@ -21,6 +21,15 @@ static void push_plugin(lua_State *L, const hk_plugin_spec *spec) {
   }
 }
 
+/* Who differentiates a force for `hooke gradient` and `hooke optimise`: itself, the host by its blocks, or the host by
+ * differences. */
+static const char *differentiated_by(const hk_plugin *plugin) {
+  const hk_force_tables *f = hk_force_of(plugin);
+  bool constant = !(f->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V));
+  if (constant || f->implicit.transposed) return "itself";
+  return f->implicit.jacobian && !(f->own.flags & HK_STIFFER_BLOCKS) ? "blocks" : "differences";
+}
+
 /* Of the scene, and the services that they asked for. */
 static void push_plugins(lua_State *L, const hk_run *run) {
   const hk_scene *scene = run->scene;
@@ -30,7 +39,10 @@ static void push_plugins(lua_State *L, const hk_run *run) {
   for (size_t o = 0; o < sizeof order / sizeof *order; o++)
     for (size_t k = 0; k < scene->plugin[order[o]].count; k++) {
       push_plugin(L, scene->plugin[order[o]].item[k]);
-      if (order[o] == HK_FORCE) hk_tool_set_flag(L, "apart", hk_evaluate_is_apart(&run->dynamics, k));
+      if (order[o] == HK_FORCE) {
+        hk_tool_set_flag(L, "apart", hk_evaluate_is_apart(&run->dynamics, k));
+        hk_tool_set_text(L, "differentiated_by", differentiated_by(scene->plugin[HK_FORCE].item[k]->plugin));
+      }
       lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
     }
   for (size_t k = 0; k < services->count; k++) {

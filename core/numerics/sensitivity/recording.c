@@ -77,6 +77,15 @@ static hk_status refuse(const hk_loop *loop, hk_error *error) {
 
 /* ---- the record ---- */
 
+/* The size of the motion. Its end alone may have none: one particle that comes to rest is a point without speed. */
+static void note_size(hk_sensitivity *s) {
+  const double *X = s->loop->state->X;
+  for (size_t e = 0; e < 3 * s->n; e++) {
+    s->extent = fmax(s->extent, fabs(X[e] - s->start[e % 3]));
+    s->speed = fmax(s->speed, fabs(X[3 * s->n + e]));
+  }
+}
+
 static void note_step(void *context, double h) {
   hk_sensitivity *s = context;
   void *list = s->step;
@@ -93,6 +102,7 @@ static void note_step(void *context, double h) {
   s->step[s->steps] = taken;
   s->steps++;
   s->reached = s->loop->state->t;
+  note_size(s);
 }
 
 /* The other hooks of the run, with their own context. */
@@ -187,21 +197,16 @@ double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
   return (kept * (double)wide + stride * (double)each) * sizeof(double);
 }
 
-/* The largest difference of the first half of the numbers, places, or of the second, speeds, relative to their size: of
- * places the scene's or its way from the start; of speeds, which may be rounding in a scene at rest, at least that
- * which crosses the scene in the time. */
-static double off_by(const double *start, const double *X, const double *Y, size_t n, double time) {
-  double worst = 0, extent = 0;
-  for (int half = 0; half < 2; half++) {
-    double most = 0, size = half && time > 0 ? extent / time : 0;
-    for (size_t e = 3 * n * (size_t)half; e < 3 * n * (size_t)(half + 1); e++) {
-      double from = half ? 0 : Y[e % 3];
-      most = fmax(most, fabs(X[e] - Y[e]));
-      size = fmax(size, fabs(Y[e] - from));
-      if (!half) size = fmax(size, fabs(Y[e] - start[e]));
-    }
-    worst = fmax(worst, most / (size > 0 ? size : 1));
-    extent = size;
+/* The largest difference of places or of speeds at the end, relative to their size on the way; of speeds, which may be
+ * rounding in a scene at rest, at least to that which crosses the scene in the time. */
+static double off_by(const hk_sensitivity *s, const double *X, double time) {
+  const double *Y = s->loop->state->X;
+  const double size[2] = {s->extent, fmax(s->speed, time > 0 ? s->extent / time : 0)};
+  double worst = 0;
+  for (size_t half = 0; half < 2; half++) {
+    double most = 0;
+    for (size_t e = 3 * s->n * half; e < 3 * s->n * (half + 1); e++) most = fmax(most, fabs(X[e] - Y[e]));
+    worst = fmax(worst, most / (size[half] > 0 ? size[half] : 1));
     if (!isfinite(most)) return INFINITY;
   }
   return worst;
@@ -230,7 +235,7 @@ hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);
-  if (status == HK_OK) s->off = off_by(s->start, Z, s->loop->state->X, s->n, s->steps ? s->reached - s->step[0].t : 0);
+  if (status == HK_OK) s->off = off_by(s, Z, s->steps ? s->reached - s->step[0].t : 0);
   free(Z);
   if (!(s->off > tolerance)) return status;
   return hk_error_set(error, HK_FAILED,

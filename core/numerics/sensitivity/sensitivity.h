@@ -91,11 +91,12 @@ typedef struct hk_sensitivity {
   double *shared;
   const hk_varied *shared_of;
   size_t shared_count;
-  uint64_t shared_chained;   /* a bit for each of them that the chain rule finds in part (adjoint.c) */
-  bool *exact;               /* one per force: its Jacobian is that of the force */
-  bool all_exact;            /* others are differentiated by differences, which have no transpose */
-  const char *inexact;       /* label of one that is not */
-  double off;                /* by which part of its size the scene ends elsewhere where the steps are taken again */
+  uint64_t shared_chained; /* a bit for each of them that the chain rule finds in part (adjoint.c) */
+  bool *exact;             /* one per force: its Jacobian is that of the force */
+  bool all_exact;          /* others are differentiated by differences, which have no transpose */
+  const char *inexact;     /* label of one that is not */
+  double extent, speed; /* the largest on the way: of a place from the first particle's start, m; of a velocity, m/s */
+  double off;           /* by which part of its size the scene ends elsewhere where the steps are taken again */
   hk_adjoint_source *source; /* of a number that is no function of the last state alone: an integral; NULL: none */
   void *source_context;
   hk_stage_point point[HK_MOST_STAGES];

@@ -137,6 +137,15 @@ end
 
 journal.json = json
 
+-- cjson writes an empty table as {}: this text stands for a list without members until it is written.
+local none = "\0no members\0"
+
+-- A member of what journal.encode writes that is a list, also where it is empty.
+function journal.list(list) return #list > 0 and list or none end
+
+-- `by`: an encoder of cjson with settings of its own.
+function journal.encode(value, by) return ((by or json).encode(value):gsub('"\\u0000no members\\u0000"', "[]")) end
+
 local function without_null(value)
   if value == json.null then return nil end
   if type(value) ~= "table" then return value end

@@ -1,6 +1,6 @@
 -- Measured data: a table of comma-separated values whose first line names the columns: `t`, in s; names of measures of the
 -- scene; and with "_sd" behind such a name the standard deviations of its numbers. Empty cells are gaps, lines that begin
--- with # are remarks.
+-- with # are remarks, and a mark of the order of bytes before the first is none of its text.
 local data = {}
 
 local function split(line)
@@ -23,6 +23,9 @@ local function columns_of(cells, known)
     if cell == "t" then columns[k] = { time = true }
     elseif known[cell] then columns[k] = { measure = cell }
     elseif of and known[of] then columns[k] = { sd = of }
+    elseif #cells == 1 and cell:find("[;\t]") then
+      return nil, ("the columns are apart by %s: put commas between them, and points into numbers"):format(
+        cell:find(";", 1, true) and "semicolons" or "tabulators")
     else
       local near = hooke.nearest(cell, list)
       return nil, ("the column '%s' is no measure of the scene; %s"):format(cell, near and ("did you mean '%s'?"):format(near)
@@ -40,16 +43,23 @@ end
 -- Adds the observations of one line; or nil and what is wrong.
 local function read_line(cells, columns, names, duration, list, number)
   local value = {}
-  if #cells ~= #columns then return nil, ("%d numbers, and %d columns"):format(#cells, #columns) end
+  if #cells ~= #columns then
+    return nil, ("%d numbers, and %d columns: the cell of a gap stays empty between its commas"):format(#cells, #columns)
+  end
   for k, cell in ipairs(cells) do
     local x = tonumber(cell)
-    if cell ~= "" and not is_finite(x) then return nil, ("%s: '%s' is not a finite number"):format(names[k], cell) end
-    if columns[k].time and not x then return nil, "the time is missing" end
-    if columns[k].sd and x and x <= 0 then return nil, ("%s: '%s' is not positive"):format(names[k], cell) end
+    if cell ~= "" and not is_finite(x) then
+      return nil, ("%s: '%s' is not a finite number: the cell of a gap stays empty"):format(names[k], cell)
+    end
+    if columns[k].time and not x then return nil, "the time is missing: give it, or leave the line out" end
+    if columns[k].sd and x and x <= 0 then
+      return nil, ("%s: '%s' is not positive: give a standard deviation, or leave the column out"):format(names[k], cell)
+    end
     value[names[k]] = x
   end
   if value.t < 0 or value.t > duration then
-    return nil, ("t = %g s is outside of the run, 0 to %g s"):format(value.t, duration)
+    return nil, ("t = %g s is outside of the run, 0 to %g s: leave the line out, or give the scene another duration"):format(value.t,
+      duration)
   end
   for k, column in ipairs(columns) do
     local y = column.measure and value[names[k]]
@@ -63,9 +73,15 @@ end
 function data.read(path, known, duration)
   local file, why = io.open(path)
   if not file then return nil, ("cannot read %s"):format(why) end
+  if not file:read(0) and file:seek("end") ~= 0 then
+    file:close()
+    return nil, ("cannot read %s: it is no file of text, but perhaps a folder"):format(path)
+  end
+  file:seek("set")
   local names, columns, list, number = nil, nil, {}, 0
   for line in file:lines() do
     number = number + 1
+    if number == 1 then line = line:gsub("^\xEF\xBB\xBF", "") end
     line = line:gsub("\r$", "")
     if line ~= "" and line:sub(1, 1) ~= "#" then
       local fine, wrong

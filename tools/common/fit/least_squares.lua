@@ -29,19 +29,31 @@ local function neighbours(p, problem)
   return points
 end
 
--- J[j][k] = dr_k/dp_j by columns; or nil and why a neighbour cannot be run.
-function least_squares.jacobian(p, problem)
+-- How much the two one-sided differences differ, of their sum: 0 of what is smooth, 1 where all of the change is on one side.
+local function bend(below, here, above)
+  local apart, sum = 0, 0
+  for k = 1, #here do
+    apart = apart + (above[k] - 2 * here[k] + below[k]) ^ 2
+    sum = sum + (above[k] - below[k]) ^ 2
+  end
+  return sum > 0 and math.sqrt(apart / sum) or 0
+end
+
+-- J[j][k] = dr_k/dp_j by columns, and the bend of each; or nil and why a neighbour cannot be run. r: the residuals at p.
+function least_squares.jacobian(p, problem, here)
   local points = neighbours(p, problem)
   local r, why = problem.evaluate(points, p)
-  local J = {}
+  local J, bends = {}, {}
   for j = 1, #p do
     local below, above = r[2 * j - 1], r[2 * j]
     if not (below and above) then return nil, why[2 * j - 1] or why[2 * j] end
     local width = points[2 * j][j] - points[2 * j - 1][j]
     J[j] = {}
     for k = 1, #above do J[j][k] = (above[k] - below[k]) / width end
+    local middle = math.abs(points[2 * j][j] + points[2 * j - 1][j] - 2 * p[j]) < 1e-3 * width -- not beside a bound
+    bends[j] = here and middle and bend(below, here, above) or 0
   end
-  return J
+  return J, bends
 end
 
 -- Which parameters may move: not those at a bound that a descent would leave.
@@ -133,21 +145,26 @@ local function update(state, q, r)
 end
 
 -- Moves to q. Of the Jacobian that led there the update is kept where the residuals are as it foretold, up to what was
--- gained. By one parameter it is a secant: it always serves, and of a short step it is a difference itself.
+-- gained, and where steps become shorter, in time: with residuals that stay large, as by a prior beside data that say something
+-- else, updates alone crept on for more than 50 steps. By one parameter it is a secant: it always serves,
+-- and of a short step it is a difference itself.
 local short = 1e-2
 
 local function move(state, q, r, length)
   local gained, miss = state.cost - cost_of(r), update(state, q, r)
   state.p, state.r, state.cost = q, r, cost_of(r)
   state.iterations = state.iterations + 1
-  state.serves = #q == 1 or miss <= gained
+  state.slow = length > state.length / 2 and state.slow + 1 or 0
+  state.length = length
+  state.serves = #q == 1 or miss <= gained and state.slow < 2 * #q -- as many runs as new differences take
   state.exact = #q == 1 and length < short
+  for j = 1, #q do state.bends[j] = 0 end -- not known here
 end
 
 local function renew(state, problem)
-  local J, why = least_squares.jacobian(state.p, problem)
-  if not J then return nil, why end
-  state.J, state.exact = J, true
+  local J, bends = least_squares.jacobian(state.p, problem, state.r)
+  if not J then return nil, bends end
+  state.J, state.bends, state.exact, state.slow = J, bends, true, 0
   rescale(state)
   return true
 end
@@ -173,18 +190,19 @@ local function iterate(state, problem)
   if not q then return true end
   local gained = (state.cost - cost_of(r)) / state.cost
   move(state, q, r, length)
-  if problem.note then problem.note(state.iterations, state.cost) end
+  if problem.note then problem.note(state.iterations, state.cost, q) end
   return length < problem.tolerance or gained < 1e-13
 end
 
 -- problem: start, low, high, scale (sizes by which steps are judged), difference (step of differences, by the size),
 -- tolerance (of the parameters, by the size), most (iterations), evaluate(points, base) -> list of residuals (false: it
--- cannot be run) and list of reasons, note(iteration, cost). Returns { p, r, J, cost, iterations, ended = "converged",
+-- cannot be run) and list of reasons, note(iteration, cost, p). Returns { p, r, J, bends, cost, iterations, ended = "converged",
 -- "at most N iterations" or "no further descent" }; or nil and the reason.
 function least_squares.solve(problem)
   local first, why = problem.evaluate({ problem.start }, problem.start)
   if not first[1] then return nil, why[1] end
-  local state = { p = problem.start, r = first[1], cost = cost_of(first[1]), damping = 1e-3, D = {}, iterations = 0 }
+  local state = { p = problem.start, r = first[1], cost = cost_of(first[1]), damping = 1e-3, D = {}, iterations = 0,
+    slow = 0, length = math.huge }
   local fine, reason = renew(state, problem)
   if not fine then return nil, reason end
   repeat

@@ -9,6 +9,17 @@ local statistics = require("common.fit.statistics")
 
 local report = {}
 
+-- The best of this moment, as words to run the scene with: what is left of a fit that is ended.
+function report.keep(o, p, cost)
+  if o.kept and o.kept <= cost then return end
+  o.kept = cost
+  local words = {}
+  for j, name in ipairs(o.names) do words[j] = ("%s=%.17g"):format(name, p[j]) end
+  files.write(o.out .. "/now.txt", table.concat(words, " ") .. "\n")
+end
+
+function report.forget(o) os.remove(o.out .. "/now.txt") end
+
 function report.values(o, p)
   local parts = {}
   for j, name in ipairs(o.names) do parts[j] = ("%s = %.9g"):format(name, p[j]) end
@@ -25,15 +36,17 @@ local function blind_words(o, direction)
   for k, item in ipairs(direction) do
     parts[k] = ("%s by %+.3g %%"):format(o.names[item[1]], item[2] / math.abs(direction[1][2]))
   end
-  if #parts == 1 then return ("%s changes none of these measures: the data do not determine it"):format(o.names[direction[1][1]]) end
-  return ("the data do not tell %s apart: all measures stay as they are where one changes %s"):format(
+  if #parts == 1 then
+    return ("%s changes none of these measures: the data do not determine it; leave it out"):format(o.names[direction[1][1]])
+  end
+  return ("the data do not tell %s apart: all measures stay as they are where one changes %s; hold one, or give a --prior"):format(
     #parts == 2 and "the two" or "these", table.concat(parts, ", "))
 end
 
 -- Residuals that are each like the one before, and not for the steps; or that are far more than their deviations.
 local function residual_words(o, best)
   local free, kinds, list, by_steps = #best.r - #best.p, {}, {}, 0
-  for k, x in ipairs(o.observations) do kinds[k] = x.name end
+  for k = 1, #best.r do kinds[k] = o.observations[k] and o.observations[k].name or k end -- a prior is one of its kind
   for _, x in ipairs(best.change or {}) do by_steps = by_steps + x * x end
   local serial = statistics.serial_correlation(best.r, kinds)
   if #best.r >= 10 and serial > 0.5 and best.cost > 100 * by_steps then
@@ -44,6 +57,20 @@ local function residual_words(o, best)
   if o.weighted and each > 1 + 5 * math.sqrt(2 / free) then
     list[#list + 1] = ("the scene does not explain the data within their deviations: the squares of the residuals are %.3g on "
       .. "average"):format(each)
+  end
+  return list
+end
+
+-- Beyond a bend of a fifth one side has one and a half times the slope of the other.
+local most_bent = 0.2
+
+local function bend_words(o, best)
+  local list = {}
+  for j, name in ipairs(o.names) do
+    if best.bends[j] > most_bent and best.sd[j] == best.sd[j] then
+      list[#list + 1] = (("%s: the measures have a kink or jump at this value (other particles, a contact, a slack rope): its "
+        .. "deviation says nothing; look at both sides with hooke sweep"):format(name))
+    end
   end
   return list
 end
@@ -67,11 +94,14 @@ local function doubts(o, best)
   if best.run.verdict ~= "ok" then
     list[#list + 1] = ("the run with these values is not ok: %s"):format(best.run.reason or best.run.failed or best.run.verdict)
   end
-  local words = residual_words(o, best)
-  table.move(words, 1, #words, #list + 1, list)
+  for _, words in ipairs { bend_words(o, best), residual_words(o, best) } do table.move(words, 1, #words, #list + 1, list) end
   local unsure = #list
-  words = bound_words(o, best)
+  local words = bound_words(o, best)
   table.move(words, 1, #words, #list + 1, list)
+  if #best.r == #best.p and not o.weighted then
+    list[#list + 1] = ("there are as many parameters as numbers: what is left of these tells no deviations; a column %s_sd does"):format(
+      o.observations[1].name)
+  end
   return list, unsure
 end
 
@@ -102,9 +132,9 @@ local function correlations(o, best)
   return list
 end
 
-local function largest(r)
+local function largest(r, count)
   local most = 0
-  for k = 1, #r do most = math.max(most, math.abs(r[k])) end
+  for k = 1, count do most = math.max(most, math.abs(r[k])) end
   return most
 end
 
@@ -116,8 +146,11 @@ local function print_words(o, minima)
     print(("  %-16s %16.9g %12s %14s  %s"):format(name, best.p[j], number(best.sd[j]),
       best.by_steps and number(best.by_steps[j]) or "not known", o.parameters[j].help or ""))
   end
-  local rms = math.sqrt(best.cost / #best.r)
-  print(("  residuals: rms %.4g%s, largest %.4g"):format(rms, o.weighted and " of their deviations" or "", largest(best.r)))
+  local squares = 0
+  for k in ipairs(o.observations) do squares = squares + best.r[k] ^ 2 end
+  local rms = math.sqrt(squares / #o.observations)
+  print(("  residuals: rms %.4g%s, largest %.4g"):format(rms, o.weighted and " of their deviations" or "",
+    largest(best.r, #o.observations)))
   local correlated = correlations(o, best)
   if #correlated > 0 then print("  correlated: " .. table.concat(correlated, "; ")) end
   for k = 1, #minima > 1 and #minima or 0 do
@@ -135,17 +168,19 @@ local function state_json(o, state)
     local correlation = {}
     for i, other in ipairs(o.names) do correlation[other] = plain(state.correlation[j][i]) end
     parameters[name] = { value = state.p[j], deviation = plain(state.sd[j]), low = plain(o.low[j]), high = plain(o.high[j]),
-      by_steps = state.by_steps and state.by_steps[j] or journal.json.null, correlation = correlation }
+      by_steps = state.by_steps and state.by_steps[j] or journal.json.null, correlation = correlation,
+      prior = o.priors[j] or journal.json.null }
   end
-  return { parameters = parameters, sum_of_squares = state.cost, numbers = #state.r, iterations = state.iterations,
+  return { parameters = parameters, sum_of_squares = state.cost, numbers = #o.observations, iterations = state.iterations,
     ended = state.ended, starts = state.starts }
 end
 
 local function json_text(o, minima)
   local list = {}
   for k, state in ipairs(minima) do list[k] = state_json(o, state) end
-  return journal.json.encode { scene = o.scene, data = o.data, integrator = o.plugin, runs = o.runs.count, minima = list,
-    answer = o.answer, doubts = #minima[1].doubts > 0 and minima[1].doubts or journal.json.empty_array, sure = report.is_sure(minima[1]) }
+  return journal.encode { scene = o.scene, data = o.data, integrator = o.plugin, runs = o.runs.count, minima = list,
+    answer = o.answer == nil and journal.json.null or o.answer, doubts = journal.list(minima[1].doubts),
+    sure = report.is_sure(minima[1]) }
 end
 
 local function csv_text(o, best)
@@ -174,6 +209,62 @@ local function draw(o, best, name, path)
       { title = "fit", points = fitted, lines = true } } })
 end
 
+-- All residuals in time, by their deviations where these are given.
+local function draw_residuals(o, best)
+  local curves, by_name = {}, {}
+  for k, x in ipairs(o.observations) do
+    local curve = by_name[x.name] or { title = x.name, points = {}, lines = false }
+    if not by_name[x.name] then curves[#curves + 1], by_name[x.name] = curve, curve end
+    curve.points[#curve.points + 1] = { x.t, best.r[k] }
+  end
+  return plot.draw(o.out .. "/residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")), x = { label = "t, s" },
+    y = { label = o.weighted and "(fit - data)/deviation" or "fit - data, in the unit of the measure" }, curves = curves })
+end
+
+-- Of two parameters the ellipse (p - best)^T C^-1 (p - best) = limit, C their covariance: with its axes x = a cos u, y = b sin(u + f),
+-- sin f the correlation.
+local function ellipse(best, i, j, limit)
+  local points, turn, size = {}, math.asin(best.correlation[i][j]), math.sqrt(limit)
+  for k = 0, 100 do
+    local u = 2 * math.pi * k / 100
+    points[k + 1] = { best.p[i] + size * best.sd[i] * math.cos(u), best.p[j] + size * best.sd[j] * math.sin(u + turn) }
+  end
+  return points
+end
+
+-- Of two normally distributed numbers P(chi^2 < limit) = 1 - exp(-limit/2); where their variance is what `free` residuals say,
+-- chi^2/2 is distributed as F(2, free), and P(2 F < limit) = 1 - (1 + limit/free)^(-free/2).
+local function limit_of(probability, free)
+  if not free then return -2 * math.log(1 - probability) end
+  return free * ((1 - probability) ^ (-2 / free) - 1)
+end
+
+local function axis_of(o, j)
+  local help = o.parameters[j].help
+  return { label = help and help ~= "" and ("%s (%s)"):format(o.names[j], help) or o.names[j] }
+end
+
+-- Where two parameters lie together with a probability of 68 and of 95 %, for each pair whose deviations are known.
+local function draw_confidence(o, best)
+  local fine, why, drawn = true, nil, {}
+  for j = 2, #best.p do
+    for i = 1, j - 1 do
+      local c = best.correlation[i][j]
+      if fine and c == c and math.abs(c) <= 1 and best.sd[i] > 0 and best.sd[j] > 0 then
+        local curves = { { title = "best", points = { { best.p[i], best.p[j] } }, lines = false } }
+        for k, probability in ipairs { 0.68, 0.95 } do
+          local limit = limit_of(probability, not o.weighted and #best.r - #best.p)
+          curves[1 + k] = { title = ("%.0f %%"):format(100 * probability), points = ellipse(best, i, j, limit), marks = false }
+        end
+        drawn[#drawn + 1] = ("confidence-%s-%s"):format(o.names[i], o.names[j])
+        fine, why = plot.draw(o.out .. "/" .. drawn[#drawn], { title = ("%s: confidence, linear, correlation %.4f"):format(
+          o.scene:match("([^/]+)$"), c), x = axis_of(o, i), y = axis_of(o, j), curves = curves })
+      end
+    end
+  end
+  return fine, why, drawn
+end
+
 -- Prints and writes everything; or nil and why not.
 function report.write(o, minima)
   local best = minima[1]
@@ -188,10 +279,14 @@ function report.write(o, minima)
       fine, why = draw(o, best, x.name, ("%s/%s"):format(o.out, x.name:gsub("[^%w_%-]", "_")))
     end
   end
+  if fine then fine, why = draw_residuals(o, best) end
+  local pairs_drawn = {}
+  if fine then fine, why, pairs_drawn = draw_confidence(o, best) end
   if o.json then command_line.print_json(json_text(o, minima)) else
     print_words(o, minima)
     if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
-    print(("wrote %s/fit.json, fit.csv and a diagram of each measure"):format(o.out))
+    print(("wrote %s/fit.json, fit.csv and a diagram of each measure, of the residuals%s"):format(o.out,
+      #pairs_drawn > 0 and " and of the confidence in each two parameters" or ""))
   end
   return fine and not o.unanswered, why or o.unanswered
 end

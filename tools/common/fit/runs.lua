@@ -15,7 +15,7 @@ local function execute(case)
   for k, o in ipairs(case.observations) do
     if o.t ~= t then
       local fine, found = pcall(scene.run, scene, { to = o.t })
-      if not fine then return { failed = tostring(found) } end
+      if not fine then return { failed = (tostring(found):gsub("^[^\n]-:%d+: (run: to: )", "%1")) } end -- this file is no place
       run, t, measured = found, o.t, found:measures()
     end
     if not measured[o.name] then return { failed = ("the measure '%s' is not finite at t = %g s"):format(o.name, o.t) } end
@@ -27,7 +27,8 @@ local function execute(case)
 end
 
 -- options: scene, names (of the parameters), observations (in the order of time), given (other parameters), trust, seed,
--- integrator, solver, adaptive, journal, jobs, timeout, tick(). `level`: how often the step has been halved, or the
+-- integrator, solver, adaptive, journal, jobs, timeout, tick(), priors ({ mean =, sd = } or false of
+-- each parameter, or nil). `level`: how often the step has been halved, or the
 -- tolerance of an adaptive method, at first `tol`, made a tenth.
 function runs.new(options)
   local self = setmetatable({ known = {}, count = 0, level = 0 }, runs)
@@ -88,11 +89,16 @@ function runs:setting(base, level, differences)
   return { dt = self.dt / 2 ^ level }
 end
 
--- (what the scene says - what was measured)/sd of each observation; or false and why.
-local function residuals_of(self, result)
+-- (what the scene says - what was measured)/sd of each observation, and behind them (parameter - mean)/sd of each prior; or
+-- false and why.
+local function residuals_of(self, result, p)
   if not result.values then return false, result.failed end
   local r = {}
   for k, o in ipairs(self.observations) do r[k] = (tonumber(result.values[k]) - o.value) / (o.sd or 1) end
+  for j = 1, #p do
+    local prior = self.priors and self.priors[j]
+    if prior then r[#r + 1] = (p[j] - prior.mean) / prior.sd end
+  end
   return r
 end
 
@@ -100,7 +106,7 @@ end
 function runs:residuals(points, base, level)
   local setting = self:setting(base, level or self.level, #points > 1)
   local list, why = {}, {}
-  for k, result in ipairs(self:results(points, setting)) do list[k], why[k] = residuals_of(self, result) end
+  for k, result in ipairs(self:results(points, setting)) do list[k], why[k] = residuals_of(self, result, points[k]) end
   return list, why
 end
 

@@ -86,7 +86,7 @@ end
 -- The run, at that time; or nil and why it does not come there.
 function derivative.advance(scene, to)
   local fine, run = pcall(scene.run, scene, { to = to })
-  if not fine then return nil, tostring(run) end
+  if not fine then return nil, (tostring(run):gsub("^[^\n]-:%d+: (run: to: )", "%1")) end -- the place would be this file
   local summary = run:summary()
   if summary.verdict == "diverged" then return nil, summary.reason or "it diverged" end
   return run
@@ -95,16 +95,29 @@ end
 -- Of a measure at the end of a run, relative.
 local rounding = 64 * 2 ^ -52
 
--- The derivative by whole runs, or where the method chooses its steps by the same steps: what the steps' own has to
--- agree with, unless there is a kink between; and the part of rounding in it.
-local function by_runs(case, record, j, both)
+-- The derivative by whole runs, at all frames and the end, or where the method chooses its steps by the same steps, at the
+-- end: what the steps' own has to agree with, unless there is a kink between. { whole (at the end), slopes (at the frames;
+-- nil: by the same steps), noise (the part of rounding in them), steps (the longest of either run, s) }, or nil and why they
+-- do not reach it.
+local function by_runs(case, record, j, both, fps)
   local a, b = record:replayed(case.of, j)
-  if not a then
-    local more, less = derivative.advance(both.more, case.at), derivative.advance(both.less, case.at)
-    a, b = more and more:measures()[case.of], less and less:measures()[case.of]
+  if a then
+    return { whole = (a - b) / (2 * both.by), noise = rounding * math.max(math.abs(a), math.abs(b)) / both.by, steps = {} }
   end
-  if not (a and b) then return nil end
-  return (a - b) / (2 * both.by), rounding * math.max(math.abs(a), math.abs(b)) / both.by
+  local found, most, more, less = { slopes = {} }, 0, nil, nil
+  for k = 0, math.ceil(case.at * fps - 1e-6) do
+    local t = math.min(k / fps, case.at)
+    local why, reason
+    more, why = derivative.advance(both.more, t)
+    less, reason = derivative.advance(both.less, t)
+    a, b = more and more:measures()[case.of], less and less:measures()[case.of]
+    if not (a and b) then return nil, why or reason or ("the measure is not finite at t = %.9g s"):format(t) end
+    most = math.max(most, math.abs(a), math.abs(b))
+    found.slopes[k + 1] = (a - b) / (2 * both.by)
+  end
+  found.whole, found.noise = found.slopes[#found.slopes], rounding * most / both.by
+  found.steps = { more:summary().dt_max, less:summary().dt_max }
+  return found
 end
 
 -- Fills the result with the derivatives: rows of the time forwards, the last one alone backwards.
@@ -149,15 +162,16 @@ local function execute(case)
   local fine
   fine, why = record:finish()
   if not fine then return { failed = why } end
-  local result = { value = run:measures()[case.of], dt = summary.dt_max, runs = {}, noise = {},
+  local result = { value = run:measures()[case.of], dt = summary.dt_max, runs = {}, noise = {}, beside = {},
     inaccurate = summary.verdict == "inaccurate" and summary.reason or nil }
   if not result.value then return { failed = ("the measure '%s' is not finite at t = %g s"):format(case.of, case.at) } end
   fine, why = differentiate(case, record, result)
   if not fine then return { failed = why } end
   result.steps, result.particles, result.inexact, result.bytes, result.tol = record:about()
   for j, pair in ipairs(case.compare and both or {}) do
-    local slope, noise = by_runs(case, record, j, pair)
-    result.runs[j], result.noise[j] = slope or 0 / 0, noise or 0
+    local whole, unreached = by_runs(case, record, j, pair, summary.fps)
+    result.runs[j], result.noise[j] = whole and whole.whole or 0 / 0, whole and whole.noise or 0
+    result.beside[j] = whole or { unreached = unreached }
   end
   return result
 end

@@ -13,16 +13,63 @@ local kink = 1e-3
 
 local function short(x) return x and x == x and ("%.2g"):format(x) or "not known" end
 
+-- From when on whole runs beside differ: the first frame after which all do. Nil: not known, backwards or by the same steps.
+local function parted(found, j)
+  local rows, beside = found.rows, found.beside[j]
+  if not (rows and beside.slopes) then return nil end
+  local since
+  for k = #rows, 1, -1 do
+    local slope, whole = rows[k][2 + j], beside.slopes[k]
+    if not whole or math.abs(whole - slope) <= kink * math.max(math.abs(slope), math.abs(whole)) + beside.noise then break end
+    since = rows[k][1]
+  end
+  return since
+end
+
+-- Why whole runs beside say something else.
+local function kink_words(found, j)
+  for _, step in ipairs(found.beside[j].steps) do
+    if math.abs(step - found.dt) > 1e-9 * found.dt then
+      return (("it changes the steps themselves, from %.9g s to %.9g s, and the derivative is at these steps: --dt %.9g keeps them"):format(
+        found.dt, step, found.dt))
+    end
+  end
+  local since = parted(found, j)
+  return (("a kink (a rope that goes slack, a contact), an event or motion without order lies between%s; "
+    .. "the derivative holds on this side alone"):format(since and (", by t = %.6g s"):format(since) or ""))
+end
+
+-- Whether differences of another width say something else, beyond rounding: the measure jumps, or has a kink in this state.
+local function jumps(found, j)
+  local wider, slope = found.wider[j], found.slopes[j]
+  return wider and math.abs(wider - slope) > 0.01 * math.max(math.abs(slope), math.abs(wider)) + found.noise[j]
+end
+
+-- Sentences on parameters that do nothing, which may be what was meant.
+function report.remarks(o, found)
+  local list = {}
+  for j, p in ipairs(o.parameters) do
+    local still = found.slopes[j] == 0 and found.beside[j].slopes ~= nil
+    for _, slope in ipairs(found.beside[j].slopes or {}) do still = still and slope == 0 end
+    if still then
+      list[#list + 1] = ("%s changes nothing of '%s', at no frame: is it the parameter that is meant?"):format(p.name, o.of)
+    end
+  end
+  return list
+end
+
 -- Sentences on what is not as it should be.
 function report.doubts(o, found)
   local list = { found.inaccurate and "the run itself is inaccurate: " .. found.inaccurate }
   for j, p in ipairs(o.parameters) do
     local slope, runs, least = found.slopes[j], found.runs[j], 10 * found.rounding[j] + found.noise[j]
     if runs ~= runs then
-      list[#list + 1] = ("%s: a run beside does not reach the end"):format(p.name)
+      list[#list + 1] = ("%s: a run with a little less or more of it ends earlier: %s"):format(p.name, found.beside[j].unreached)
     elseif math.abs(runs - slope) > kink * math.max(math.abs(slope), math.abs(runs)) + least then
-      list[#list + 1] = (("%s: whole runs beside give %.6g: a kink (a rope that goes slack, a contact), an event or motion "
-        .. "without order lies between; the derivative holds on this side alone"):format(p.name, runs))
+      list[#list + 1] = ("%s: whole runs beside give %.6g: %s"):format(p.name, runs, kink_words(found, j))
+    elseif jumps(found, j) then
+      list[#list + 1] = (("%s: differences four times as wide give %.6g: the measure jumps or has a kink at this value (a branch of "
+        .. "its function); take another value, or a smooth measure"):format(p.name, found.wider[j]))
     end
     if found.by_steps[j] and found.by_steps[j] > 0.1 * math.abs(slope) and found.by_steps[j] > least then
       list[#list + 1] = ("%s: half the step changes it by a tenth or more: --dt below %.3g"):format(p.name, found.dt)
@@ -38,26 +85,37 @@ local function print_words(o, found)
   print(("  %s = %.12g"):format(o.of, found.value))
   print(("  %-16s %14s %20s %12s %12s"):format("parameter", "value", "derivative", "by steps", "by rounding"))
   for j, p in ipairs(o.parameters) do
-    print(("  %-16s %14.9g %20.12g %12s %12s  %s"):format(p.name, p.start, found.slopes[j], short(found.by_steps[j]),
-      short(found.rounding[j]), p.help or ""))
+    print(("  %-16s %14s %20.12g %12s %12s  %s"):format(p.name, p.start and ("%.9g"):format(p.start) or ("%d knots"):format(#p.values),
+      found.slopes[j], short(found.by_steps[j]), short(found.rounding[j]), p.help or "all of it by as much"))
   end
   if found.inexact then
     print(("  the force '%s' states no exact Jacobian: differences along the change take its place"):format(found.inexact))
   end
+  for _, text in ipairs(found.remarks) do print("  " .. text) end
   for _, text in ipairs(found.doubts) do print("  not sure: " .. text) end
 end
 
 local function plain(x) return x and x == x and math.abs(x) < math.huge and x or journal.json.null end
 
+-- { t, value, derivative by it } of the knots of a control.
+local function knots_of(p, slopes)
+  local list = {}
+  for k, slope in ipairs(slopes or {}) do
+    list[k] = { t = (k - 1) / (#slopes - 1) * p.duration, value = p.values[k], derivative = plain(slope) }
+  end
+  return list
+end
+
 local function json_text(o, found)
   local list = {}
   for j, p in ipairs(o.parameters) do
-    list[j] = { name = p.name, value = p.start, derivative = plain(found.slopes[j]), by_steps = plain(found.by_steps[j]),
+    list[j] = { name = p.name, value = plain(p.start),
+      knots = journal.list(knots_of(p, found.knots[j])), derivative = plain(found.slopes[j]), by_steps = plain(found.by_steps[j]),
       by_rounding = plain(found.rounding[j]), by_runs = plain(found.runs[j]) }
   end
-  return journal.json.encode { scene = o.scene, measure = o.of, t = o.at, value = found.value, integrator = o.plugin,
+  return journal.encode { scene = o.scene, measure = o.of, t = o.at, value = found.value, integrator = o.plugin,
     dt = found.dt, steps = found.steps, sure = #found.doubts == 0, parameters = list,
-    doubts = #found.doubts > 0 and found.doubts or journal.json.empty_array }
+    doubts = journal.list(found.doubts), remarks = journal.list(found.remarks) }
 end
 
 local function csv_text(o, found)
@@ -70,6 +128,18 @@ local function csv_text(o, found)
     lines[k + 1] = table.concat(cells, ",")
   end
   return table.concat(lines, "\n") .. "\n"
+end
+
+-- By the values of controls at their knots.
+local function draw_knots(o, found)
+  local curves = {}
+  for j, p in ipairs(o.parameters) do
+    local curve = { title = p.name, points = {}, lines = true, marks = true }
+    for k, knot in ipairs(knots_of(p, found.knots[j])) do curve.points[k] = { knot.t, found.knots[j][k] } end
+    if p.values then curves[#curves + 1] = curve end
+  end
+  return plot.draw(o.out .. "/gradient", { title = ("%s: sensitivity of %s at t = %.6g s"):format(o.scene:match("([^/]+)$"), o.of, o.at),
+    x = { label = "t of the knot, s" }, y = { label = ("d(%s)/d(value at the knot)"):format(o.of) }, curves = curves })
 end
 
 -- By how much the measure changes where a parameter doubles, linearly: curves of one unit.
@@ -88,9 +158,11 @@ function report.write(o, found)
   local fine, why = files.write(o.out .. "/gradient.json", json_text(o, found) .. "\n")
   if fine and found.rows then fine, why = files.write(o.out .. "/gradient.csv", csv_text(o, found)) end
   if fine and found.rows then fine, why = draw(o, found) end
+  if fine and o.by_controls then fine, why = draw_knots(o, found) end
   if o.json then command_line.print_json(json_text(o, found)) else
     print_words(o, found)
-    print(("wrote %s/gradient.json%s"):format(o.out, found.rows and ", gradient.csv and a diagram in time" or ""))
+    print(("wrote %s/gradient.json%s"):format(o.out, found.rows and ", gradient.csv and a diagram in time"
+      or o.by_controls and " and a diagram of the knots" or ""))
   end
   return fine, why
 end

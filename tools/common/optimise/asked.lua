@@ -32,8 +32,10 @@ function asked.choose_controls(o, explained)
     wanted = wanted or {}
     for name in word:gmatch("[^,%s]+") do wanted[name] = true end
   end
+  local help = {}
+  for _, p in ipairs(explained.parameters) do help[p.name] = p.help end
   for k, control in ipairs(explained.controls) do
-    names[k] = control.name
+    names[k], control.help = control.name, help[control.name]
     if not wanted or wanted[control.name] then list[#list + 1] = control end
     if wanted then wanted[control.name] = nil end
     control.min = control.min == control.min and control.min or nil
@@ -140,7 +142,8 @@ function asked.contradiction(o, found)
     return ("the goal %s cannot be met within the bounds of the controls: wider bounds, or more time"):format(goal_words(goal))
   end
   if #found.others == 0 then
-    return ("the goal %s cannot be met: the controls do not change it; leave it out, or add a control that does"):format(goal_words(goal))
+    return ("the goal %s cannot be met: the controls do not change it where they are; leave it out, add a control that does, or "
+      .. "begin elsewhere (--starts 3)"):format(goal_words(goal))
   end
   local list = {}
   for k, row in ipairs(found.others) do list[k] = goal_words(o.goals[row]) end

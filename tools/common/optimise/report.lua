@@ -11,7 +11,9 @@ local ranges = require("common.optimise.ranges")
 
 local report = {}
 
-local function plain(x) return x and x == x and math.abs(x) < math.huge and x or journal.json.null end
+local null = journal.json.null
+
+local function plain(x) return x and x == x and math.abs(x) < math.huge and x or null end
 
 -- What is missing of goal g, by what evaluation.lua says of it; nil: that is not known.
 local function missed(goal, misses, g)
@@ -23,7 +25,8 @@ end
 function report.doubts(o, optimum)
   local list = {}
   if optimum.ended ~= "converged" then
-    list[1] = ("it ended after %s; goals that contradict each other or are out of reach cannot be met"):format(optimum.ended)
+    list[1] = ("it ended after %s%s"):format(optimum.ended, optimum.ended:find("--most", 1, true) and ": give --most more"
+      or "; goals that contradict each other or are out of reach cannot be met")
   end
   if optimum.unrefined then list[#list + 1] = "with more knots: " .. optimum.unrefined end
   if optimum.replay.failed then
@@ -72,15 +75,15 @@ local function json_text(o, optima)
       controls[j] = { name = control.name, duration = control.duration, values = control.values }
     end
     for g, goal in ipairs(o.goals) do
-      goals[g] = { name = goal.name, value = goal.value, min = goal.min, max = goal.max, at = goal.at,
+      goals[g] = { name = goal.name, value = plain(goal.value), min = plain(goal.min), max = plain(goal.max), at = goal.at,
         off = plain(missed(goal, optimum.misses, g)), replayed_off = plain(missed(goal, optimum.replay.misses, g)) }
     end
-    list[k] = { cost = optimum.cost, levels = optimum.levels, error_by_knots = error_by_knots(optimum),
+    list[k] = { cost = optimum.cost, levels = journal.list(optimum.levels or {}), error_by_knots = plain(error_by_knots(optimum)),
       iterations = optimum.iterations, starts = optimum.starts, ended = optimum.ended,
-      goals = goals, controls = controls, doubts = #optimum.doubts > 0 and optimum.doubts or journal.json.empty_array }
+      goals = journal.list(goals), controls = controls, doubts = journal.list(optimum.doubts) }
   end
-  return journal.json.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = o.dt,
-    optima = list, answer = o.answer, sure = #optima[1].doubts == 0 }
+  return journal.encode { scene = o.scene, t = o.at, integrator = o.plugin, independent = o.independent, dt = plain(o.dt),
+    optima = list, answer = o.answer == nil and null or o.answer, sure = #optima[1].doubts == 0 }
 end
 
 local function csv_text(controls)
@@ -101,6 +104,13 @@ function report.keep(o, controls)
   end
 end
 
+-- The name of a single control, and what the scene says of it, which has its unit.
+local function axis_of(o)
+  local control = o.controls[1]
+  if #o.controls > 1 then return "control" end
+  return control.help and control.help ~= "" and ("%s (%s)"):format(control.name, control.help) or control.name
+end
+
 local function draw(o, optima)
   local curves = {}
   for k, optimum in ipairs(optima) do
@@ -113,7 +123,14 @@ local function draw(o, optima)
     end
   end
   return plot.draw(o.out .. "/controls", { title = ("%s: controls and their cost"):format(o.scene:match("([^/]+)$")),
-    x = { label = "t, s" }, y = { label = "control" }, curves = curves })
+    x = { label = "t, s" }, y = { label = axis_of(o) }, curves = curves })
+end
+
+-- Controls that go on behind the last goal count there, too: what a knot before it does, it does on both sides.
+local function over_all(o)
+  local longest = 0
+  for _, control in ipairs(o.controls) do longest = math.max(longest, control.duration) end
+  return longest > o.at * (1 + 1e-9) and (" over all of their %.9g s"):format(longest) or ""
 end
 
 -- Prints and writes everything; or nil and why not.
@@ -133,7 +150,7 @@ function report.write(o, optima)
     return fine and not o.unanswered, why or o.unanswered
   end
   print(("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
-    and "cost" or "integral of the squares of the controls", o.at, o.plugin, o.dt))
+    and "cost" or "integral of the squares of the controls" .. over_all(o), o.at, o.plugin, o.dt))
   for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
   if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
   local first = optima[1].controls[1].name

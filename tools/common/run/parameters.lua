@@ -3,18 +3,19 @@
 local parameters = {}
 
 -- "name=start:low:high", of which what follows the name may be left out.
-function parameters.wanted(words)
+function parameters.wanted(words, option)
   local list = {}
+  option = option or "--by"
   for _, word in ipairs(words) do
     for piece in (word .. ","):gmatch("([^,]*),") do
       local name, rest = piece:match("^%s*([%a_][%w_]*)%s*(.*)$")
-      if not name then return nil, ("--by: '%s' is not a name, or name=start:low:high"):format(piece) end
+      if not name then return nil, ("%s: '%s' is not a name, or name=start:low:high"):format(option, piece) end
       local numbers = {}
       for text in rest:gmatch("[^=:]+") do
         numbers[#numbers + 1] = tonumber(text)
-        if not numbers[#numbers] then return nil, ("--by: %s: '%s' is not a number"):format(name, text) end
+        if not numbers[#numbers] then return nil, ("%s: %s: '%s' is not a number"):format(option, name, text) end
       end
-      if #numbers > 3 then return nil, ("--by: %s: one start and two bounds, name=start:low:high"):format(name) end
+      if #numbers > 3 then return nil, ("%s: %s: one start and two bounds, name=start:low:high"):format(option, name) end
       list[#list + 1] = { name = name, start = numbers[1], low = numbers[2], high = numbers[3] }
     end
   end
@@ -28,7 +29,7 @@ local function complete(p, declared)
   p.start = p.start or tonumber(declared.initial)
   p.low, p.high = bound(p.low, declared.min, -math.huge), bound(p.high, declared.max, math.huge)
   if not p.start or declared.type ~= "number" and declared.type ~= "integer" then
-    return nil, ("--by: %s is no number, but a %s"):format(p.name, declared.type)
+    return nil, ("--by: %s is no number, but a %s; name a parameter that is one"):format(p.name, declared.type)
   end
   if p.low >= p.high then return nil, ("--by: %s: %g is not below %g"):format(p.name, p.low, p.high) end
   if p.start < p.low or p.start > p.high then
@@ -51,7 +52,8 @@ function parameters.complete(list, explained, given)
     if seen[p.name] then return nil, ("--by: %s is there twice"):format(p.name) end
     if given[p.name] then return nil, ("%s=%s and --by %s: leave one out"):format(p.name, given[p.name], p.name) end
     seen[p.name] = true
-    local fine, why = complete(p, declared)
+    local fine, why = p.values ~= nil, nil -- a control
+    if not fine then fine, why = complete(p, declared) end
     if not fine then return nil, why end
   end
   return true
