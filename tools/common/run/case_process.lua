@@ -102,17 +102,36 @@ local function unpacked(bytes)
   return list
 end
 
+-- Rows of equally many floats, as the states at knots, as their bytes and the length of a row; nil: it is something else.
+local function packed_rows(list)
+  local flat, width = {}, type(list[1]) == "table" and #list[1] or 0
+  if width == 0 or next(list, #list) ~= nil then return nil end
+  for k, row in ipairs(list) do
+    if type(row) ~= "table" or #row ~= width or next(row, width) ~= nil then return nil end
+    table.move(row, 1, width, (k - 1) * width + 1, flat)
+  end
+  return packed(flat), width
+end
+
+local function unpacked_rows(width, bytes)
+  local flat, rows = unpacked(bytes), {}
+  for k = 1, #flat // width do rows[k] = table.move(flat, (k - 1) * width + 1, k * width, 1, {}) end
+  return rows
+end
+
 -- A value as text of a Lua expression, with all bits of numbers.
 local function dump(value)
   if type(value) ~= "table" then return ("%q"):format(value) end
   local bytes = packed(value)
   if bytes then return ("F%q"):format(bytes) end
+  local rows, width = packed_rows(value)
+  if rows then return ("M(%d,%q)"):format(width, rows) end
   local parts = {}
   for key, item in pairs(value) do parts[#parts + 1] = ("[%s]=%s"):format(dump(key), dump(item)) end
   return "{" .. table.concat(parts, ",") .. "}"
 end
 
-local function undump(text) return assert(load("return " .. text, "=result", "t", { F = unpacked }))() end
+local function undump(text) return assert(load("return " .. text, "=result", "t", { F = unpacked, M = unpacked_rows }))() end
 
 -- What hooke.explain(path, params, options) returns, from a process of its own that the scene cannot leave.
 function case_process.explain(path, params, options)
