@@ -168,27 +168,36 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 enum { CENTER, AXIS, STRENGTH, POWER, SOFTENING, RANGE }; /* rows of the table */
 
-/* Of u.F = -w g(s) h, h = u.r: by strength, power, softening and range. With e^2 = range^2 + softening^2 and q = 1 -
- * s^2/e^2, g = s^(power - 1) q^2, dg/ds = s^(power - 2) ((power - 1) q^2 - 4 (1 - q) q) and dg/de = 4 s^(power - 1) q
- * (1 - q)/e. */
-static void add_slopes(const central *p, const hk_view *view, size_t i, double h, double s2, const slope *d,
+/* The power of the distance of one particle, and what follows from it: g = s^(power - 1) q^2 with q = 1 - s^2/e^2, and
+ * s dg/ds. A distance that counts as none has the root 1. */
+typedef struct reach {
+  double s2, root, power, in, g, fall;
+} reach;
+
+static reach reach_of(const central *p, double s2) {
+  double power = power_of(p, s2), in = inside(p, s2), g = in > 0 ? power * in * in : 0;
+  double fall = in > 0 && s2 >= tiny ? (p->power - 1) * g - 4 * power * in * (1 - in) : 0;
+  return (reach){s2, s2 < tiny ? 1 : sqrt(s2), power, in, g, fall};
+}
+
+/* Of u.F = -w g(s) h, h = u.r: by strength, power, softening and range. With e^2 = range^2 + softening^2, dg/de = 4
+ * s^(power - 1) q (1 - q)/e. `each`: m or 1, `all` that times the strength. */
+static void add_slopes(const central *p, size_t i, double h, double each, double all, const reach *d,
                        const hk_transposed *into) {
-  double in = inside(p, s2), all = weight(p, view, i) * power_of(p, s2);
-  if (!(in > 0)) return;
-  double each = p->per == 0 ? view->model->mass[i] : 1, g = power_of(p, s2) * in * in;
-  into->parameter[STRENGTH][0] -= each * g * h;
-  if (p->per == 0) into->mass[i] -= p->strength * g * h;
-  if (s2 >= tiny) into->parameter[POWER][0] -= all * in * in * log(s2) / 2 * h;
-  double of_end = p->end2 < INFINITY ? 4 * all * in * (1 - in) / p->end2 : 0;
-  into->parameter[SOFTENING][0] -= ((s2 >= tiny ? d->second / s2 : 0) + of_end) * p->softening * h;
+  if (!(d->in > 0)) return;
+  into->parameter[STRENGTH][0] -= each * d->g * h;
+  if (p->per == 0) into->mass[i] -= p->strength * d->g * h;
+  if (d->s2 >= tiny) into->parameter[POWER][0] -= all * d->g * log(d->s2) / 2 * h;
+  double of_end = p->end2 < INFINITY ? 4 * all * d->power * d->in * (1 - d->in) / p->end2 : 0;
+  into->parameter[SOFTENING][0] -= ((d->s2 >= tiny ? all * d->fall / d->s2 : 0) + of_end) * p->softening * h;
   if (p->end2 < INFINITY) into->parameter[RANGE][0] -= of_end * p->range * h;
 }
 
 /* r = d - (d.a) a with d = x - center: each is a change of r. */
-static void add_places(const central *p, const double *x, const double by_r[3], const hk_transposed *into) {
+static void add_places(const central *p, const double *x, const double by_r[3], double aw, const hk_transposed *into) {
   const double *a = p->axis;
-  double d[3], ad = 0, aw = 0;
-  for (int c = 0; c < 3; c++) d[c] = x[c] - p->center[c], ad += a[c] * d[c], aw += a[c] * by_r[c];
+  double d[3], ad = 0;
+  for (int c = 0; c < 3; c++) d[c] = x[c] - p->center[c], ad += a[c] * d[c];
   for (int c = 0; c < 3; c++) {
     into->parameter[CENTER][c] -= by_r[c] - aw * a[c];
     into->parameter[AXIS][c] -= ad * by_r[c] + aw * d[c];
@@ -200,16 +209,16 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = hk_acting_particle(view, k);
     const double *x = view->x + 3 * i, *w = u + 3 * i;
-    double r[3], by_r[3], s2 = offset(p, x, r), h = 0, aw = 0;
-    slope d = slope_of(p, view, i);
-    for (int c = 0; c < 3; c++) h += w[c] * r[c];
-    double root = s2 < tiny ? 1 : sqrt(s2);
-    for (int c = 0; c < 3; c++) by_r[c] = -(d.along * w[c] + d.second * h / root * d.unit[c]);
-    for (int c = 0; c < 3; c++) aw += p->axis[c] * by_r[c];
+    double r[3], by_r[3], each = p->per == 0 ? view->model->mass[i] : 1, all = p->strength * each;
+    reach d = reach_of(p, offset(p, x, r));
+    double h = w[0] * r[0] + w[1] * r[1] + w[2] * r[2], along = all * d.g, by_root = 1 / d.root;
+    double fall = all * d.fall * (h * by_root);
+    for (int c = 0; c < 3; c++) by_r[c] = -(along * w[c] + fall * (r[c] * by_root));
+    double aw = p->axis[0] * by_r[0] + p->axis[1] * by_r[1] + p->axis[2] * by_r[2];
     for (size_t c = 0; c < 3; c++) into->x[3 * i + c] += by_r[c] - aw * p->axis[c];
     if (!into->parameter) continue;
-    add_slopes(p, view, i, h, s2, &d, into);
-    add_places(p, x, by_r, into);
+    add_slopes(p, i, h, each, all, &d, into);
+    add_places(p, x, by_r, aw, into);
   }
   return HK_OK;
 }
