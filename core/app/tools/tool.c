@@ -102,8 +102,9 @@ static int read_inside(lua_State *L) {
   return 1;
 }
 
-/* hooke.checksum(path): of a file's bytes, 64 bits, as FNV-1a (Fowler, Noll and Vo) on words of eight bytes, the last one
- * filled up with zeros, of which every product's high half is folded onto the low one; nil where it cannot be read. */
+/* hooke.checksum(path): of a file's bytes, 64 bits, as FNV-1a (Fowler, Noll and Vo) on words of eight bytes, the last
+ * one filled up with zeros, of which every product's high half is folded onto the low one; nil where it cannot be read.
+ */
 static int checksum(lua_State *L) {
   uint64_t block[1 << 11], hash = 1469598103934665603u;
   FILE *file = fopen(luaL_checkstring(L, 1), "rb");

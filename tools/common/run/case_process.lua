@@ -153,15 +153,15 @@ function case_process.explain(path, params, options)
 end
 
 -- Loads the installation's plugins that a case names before the fork, so that the processes of cases need not load
--- them. The scene's script tells them in a process of its own.
+-- them. The scene's script tells them in a process of its own, or has told them before: case.explained.
 local loaded = {}
 function case_process.warm(case)
   local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
   if loaded[key] then return end
   loaded[key] = true
-  local explained = case_process.explain(case.scene, case.params, { trust = case.trust })
+  local explained = case.explained or case_process.explain(case.scene, case.params, { trust = case.trust })
   if not explained then return end
-  local list = explained.plugins
+  local list = table.move(explained.plugins, 1, #explained.plugins, 1, {})
   for kind, choice in pairs { integrator = case.integrator or explained.integrator, solver = case.solver or explained.solver } do
     list[#list + 1] = { kind = kind, name = choice:gsub(":.*", "") }
   end
