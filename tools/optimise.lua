@@ -96,7 +96,7 @@ local function ready(o)
     return nil, ("--at: %g s is after the scene's duration, %g s"):format(o.at, explained.duration)
   end
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
-    without = o.without, ["until"] = 0 }
+    without = o.without, ["until"] = 0, explained = explained }
   if not start.measures then return nil, start.failed end
   o.plugin, o.fps = start.integrator, explained.fps
   fine, why = asked.choose_goals(o, explained, start.measures)

@@ -13,6 +13,7 @@
 #include "plugins/common/joints/joint_jacobian.h"
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
+#include "plugins/common/joints/joint_transposed.h"
 #include "plugins/kit/springs/edge_stiffness.h"
 #include "plugins/kit/vector3.h"
 
@@ -158,60 +159,30 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 enum { STIFFNESS = 3, DAMPING = 4, REST = 6, NORMAL = 8 }; /* rows of the table */
 
-/* Changes of the edges by u. */
-static void edges_of(const double *u, const uint32_t *node, double w[2][3]) {
-  for (int m = 0; m < 2; m++) hk_subtract(w[m], u + 3 * (size_t)node[m + 1], u + 3 * (size_t)node[m]);
-}
-
-static void add_ends(double *to, const uint32_t *node, const double by[2][3], double factor) {
-  for (int m = 0; m < 2; m++) {
-    hk_add_scaled(to + 3 * (size_t)node[m + 1], factor, by[m]);
-    hk_add_scaled(to + 3 * (size_t)node[m], -factor, by[m]);
-  }
-}
-
-/* Of u.F = -(k off + c rate) turn, turn = g.w the change of the angle by u; by: by k, c and the angle at rest. */
-static void add_transposed(const angle_springs *s, const hk_view *view, size_t k, const double *u,
-                           const hk_transposed *into, double by[3]) {
-  const hk_elements *a = &s->list.acting;
-  const uint32_t *node = hk_tuple(&a->node, k);
-  double stiffness = a->stiffness.value[k], c = a->damping.value[k], turn = 0, rate = 0;
-  double w[2][3], du[2][3], g[2][3], by_x[2][3] = {{0}};
-  hk_joint joint;
-  hk_joint_blocks K;
-  measure(s, view->x, k, &joint);
-  edges_of(u, node, w);
-  edges_of(view->v, node, du);
-  for (int m = 0; m < 2; m++) {
-    for (int d = 0; d < 3; d++) g[m][d] = joint.l[m] > 0 ? joint.across[m][d] / joint.l[m] : 0;
-    turn += hk_dot(g[m], w[m]);
-    rate += hk_dot(g[m], du[m]);
-  }
-  double off = hk_joint_off(joint.angle, hk_tuple_value(&a->rest, k));
-  hk_joint_stiffness(&joint, stiffness, stiffness * off + c * rate, K);
-  if (c != 0) hk_joint_turning(&joint, c, (const double(*)[3])du, K);
-  for (int b = 0; b < 4; b++)
-    for (int e = 0; e < 9; e++) by_x[b % 2][e % 3] -= K[b / 2][b % 2][e] * w[b / 2][e / 3];
-  add_ends(into->x, node, (const double(*)[3])by_x, 1);
-  add_ends(into->v, node, (const double(*)[3])g, -c * turn);
-  by[0] = -off * turn, by[1] = -rate * turn, by[2] = stiffness * turn;
-}
-
 static bool acts(const hk_view *view, const uint32_t *node) {
   return !view->is_active || (view->is_active[node[0]] && view->is_active[node[1]] && view->is_active[node[2]]);
 }
 
+/* Goes through the list along with those that act. */
+typedef struct slopes {
+  const angle_springs *self;
+  const hk_view *view;
+  double *const *row;
+  size_t next;
+} slopes;
+
+static void add_slopes(void *context, double by_k, double by_c, double by_rest) {
+  slopes *to = context;
+  while (!acts(to->view, hk_tuple(&to->self->joints, to->next))) to->next++;
+  to->row[STIFFNESS][to->next] += by_k;
+  to->row[DAMPING][to->next] += by_c;
+  to->row[REST][to->next++] += by_rest;
+}
+
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
   const angle_springs *s = self;
-  double by[3];
-  for (size_t e = 0, k = 0; e < s->joints.count; e++) {
-    if (!acts(view, hk_tuple(&s->joints, e))) continue;
-    add_transposed(s, view, k++, u, into, by);
-    if (!into->parameter) continue;
-    into->parameter[STIFFNESS][e] += by[0];
-    into->parameter[DAMPING][e] += by[1];
-    into->parameter[REST][e] += by[2];
-  }
+  slopes to = {s, view, into->parameter, 0};
+  hk_joint_transposed(&s->list.acting, view, s->plane, u, into->x, into->v, into->parameter ? add_slopes : NULL, &to);
   return HK_OK;
 }
 

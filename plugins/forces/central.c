@@ -13,6 +13,7 @@
 #include "plugins/common/space/near_moves.h"
 
 #include "core/plugin.h"
+#include "core/plugin/widest.h"
 
 typedef struct central {
   double center[3], axis[3], strength, power, softening, range;
@@ -168,48 +169,92 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 enum { CENTER, AXIS, STRENGTH, POWER, SOFTENING, RANGE }; /* rows of the table */
 
-/* Of u.F = -w g(s) h, h = u.r: by strength, power, softening and range. With e^2 = range^2 + softening^2 and q = 1 -
- * s^2/e^2, g = s^(power - 1) q^2, dg/ds = s^(power - 2) ((power - 1) q^2 - 4 (1 - q) q) and dg/de = 4 s^(power - 1) q
- * (1 - q)/e. */
-static void add_slopes(const central *p, const hk_view *view, size_t i, double h, double s2, const slope *d,
-                       const hk_transposed *into) {
-  double in = inside(p, s2), all = weight(p, view, i) * power_of(p, s2);
-  if (!(in > 0)) return;
-  double each = p->per == 0 ? view->model->mass[i] : 1, g = power_of(p, s2) * in * in;
-  into->parameter[STRENGTH][0] -= each * g * h;
-  if (p->per == 0) into->mass[i] -= p->strength * g * h;
-  if (s2 >= tiny) into->parameter[POWER][0] -= all * in * in * log(s2) / 2 * h;
-  double of_end = p->end2 < INFINITY ? 4 * all * in * (1 - in) / p->end2 : 0;
-  into->parameter[SOFTENING][0] -= ((s2 >= tiny ? d->second / s2 : 0) + of_end) * p->softening * h;
-  if (p->end2 < INFINITY) into->parameter[RANGE][0] -= of_end * p->range * h;
+/* Particles side by side, for a loop that compilers turn into vectors. With g = s^(power - 1) q^2, q = 1 - s^2/e^2 and
+ * h = u.r, u.F = -w g h has the derivative by r of -w (g u + s dg/ds (h/s) r/s), s dg/ds = (power - 1) g - 4 s^(power -
+ * 1) q (1 - q). */
+enum { BLOCK = 64 };
+typedef struct block {
+  double d[3][BLOCK], w[3][BLOCK]; /* x - center; u */
+  double each[BLOCK];              /* m, or 1 */
+  double s2[BLOCK], power[BLOCK];  /* s^(power - 1) */
+  double by_r[3][BLOCK], aw[BLOCK], to[3][BLOCK], ad[BLOCK];
+  double gh[BLOCK];                  /* g h */
+  double by_s[BLOCK], by_end[BLOCK]; /* w h times dg/ds over s, and times dg/de over e */
+} block;
+
+HK_INLINE void squares(const central *p, block *q) {
+  for (int k = 0; k < BLOCK; k++) {
+    const double *a = p->axis, x = q->d[0][k], y = q->d[1][k], z = q->d[2][k], ad = a[0] * x + a[1] * y + a[2] * z;
+    double r[3] = {x - ad * a[0], y - ad * a[1], z - ad * a[2]};
+    q->ad[k] = ad;
+    q->s2[k] = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + p->softening * p->softening;
+    if (p->power == 1) q->power[k] = 1;
+    if (p->power == -2) q->power[k] = q->s2[k] < tiny ? 0 : 1 / (q->s2[k] * sqrt(q->s2[k]));
+  }
 }
 
-/* r = d - (d.a) a with d = x - center: each is a change of r. */
-static void add_places(const central *p, const double *x, const double by_r[3], const hk_transposed *into) {
-  const double *a = p->axis;
-  double d[3], ad = 0, aw = 0;
-  for (int c = 0; c < 3; c++) d[c] = x[c] - p->center[c], ad += a[c] * d[c], aw += a[c] * by_r[c];
-  for (int c = 0; c < 3; c++) {
-    into->parameter[CENTER][c] -= by_r[c] - aw * a[c];
-    into->parameter[AXIS][c] -= ad * by_r[c] + aw * d[c];
+HK_INLINE void turn_each(const central *p, block *q) {
+  const double *a = p->axis, by_e2 = 1 / p->end2; /* 0: no range */
+  for (int k = 0; k < BLOCK; k++) {
+    double s2 = q->s2[k], some = s2 < tiny ? 0 : 1, by_root = 1 / sqrt(s2 < tiny ? 1 : s2), r[3], w[3], by_r[3];
+    double out = by_e2 > 0 ? s2 * by_e2 : 0, in = out < 1 ? 1 - out : 0, power = out < 1 ? q->power[k] : 0;
+    double g = power * in * in, end = 4 * power * in * (1 - in), fall = some * ((p->power - 1) * g - end);
+    double all = p->strength * q->each[k];
+    for (int c = 0; c < 3; c++) r[c] = q->d[c][k] - q->ad[k] * a[c], w[c] = q->w[c][k];
+    double h = w[0] * r[0] + w[1] * r[1] + w[2] * r[2], part = all * fall * (h * by_root);
+    for (int c = 0; c < 3; c++) by_r[c] = -(all * g * w[c] + part * (r[c] * by_root));
+    double aw = a[0] * by_r[0] + a[1] * by_r[1] + a[2] * by_r[2];
+    for (int c = 0; c < 3; c++) q->by_r[c][k] = by_r[c], q->to[c][k] = by_r[c] - aw * a[c];
+    q->aw[k] = aw, q->gh[k] = g * h;
+    q->by_s[k] = part * by_root, q->by_end[k] = all * end * h * by_e2;
+  }
+}
+
+HK_VERSIONS(static void, squares_of, (const central *p, block *q), squares(p, q))
+HK_VERSIONS(static void, turn_many, (const central *p, block *q), turn_each(p, q))
+
+/* Lanes beyond get the first one's. */
+static void take(const central *p, const hk_view *view, const double *u, size_t first, size_t count, block *q) {
+  for (size_t k = 0; k < BLOCK; k++) {
+    size_t i = hk_acting_particle(view, first + (k < count ? k : 0));
+    for (size_t c = 0; c < 3; c++) q->d[c][k] = view->x[3 * i + c] - p->center[c], q->w[c][k] = u[3 * i + c];
+    q->each[k] = p->per == 0 ? view->model->mass[i] : 1;
+  }
+}
+
+/* By strength, power, softening and range, e^2 = range^2 + softening^2, and by center and axis: r = d - (d.a) a. */
+static void add_slopes(const central *p, const hk_view *view, const block *q, size_t first, size_t count,
+                       const hk_transposed *into) {
+  double *const *row = into->parameter;
+  bool ranged = p->end2 < INFINITY;
+  for (size_t k = 0; k < count; k++) {
+    if (p->per == 0) into->mass[hk_acting_particle(view, first + k)] -= p->strength * q->gh[k];
+    row[STRENGTH][0] -= q->each[k] * q->gh[k];
+    if (q->s2[k] >= tiny && q->gh[k] != 0) row[POWER][0] -= p->strength * q->each[k] * q->gh[k] * log(q->s2[k]) / 2;
+    row[SOFTENING][0] -= (q->by_s[k] + q->by_end[k]) * p->softening;
+    if (ranged) row[RANGE][0] -= q->by_end[k] * p->range;
+    for (int c = 0; c < 3; c++) {
+      row[CENTER][c] -= q->to[c][k];
+      row[AXIS][c] -= q->ad[k] * q->by_r[c][k] + q->aw[k] * q->d[c][k];
+    }
   }
 }
 
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
   const central *p = self;
-  for (size_t k = 0; k < view->acting; k++) {
-    size_t i = hk_acting_particle(view, k);
-    const double *x = view->x + 3 * i, *w = u + 3 * i;
-    double r[3], by_r[3], s2 = offset(p, x, r), h = 0, aw = 0;
-    slope d = slope_of(p, view, i);
-    for (int c = 0; c < 3; c++) h += w[c] * r[c];
-    double root = s2 < tiny ? 1 : sqrt(s2);
-    for (int c = 0; c < 3; c++) by_r[c] = -(d.along * w[c] + d.second * h / root * d.unit[c]);
-    for (int c = 0; c < 3; c++) aw += p->axis[c] * by_r[c];
-    for (size_t c = 0; c < 3; c++) into->x[3 * i + c] += by_r[c] - aw * p->axis[c];
-    if (!into->parameter) continue;
-    add_slopes(p, view, i, h, s2, &d, into);
-    add_places(p, x, by_r, into);
+  block q;
+  for (size_t first = 0; first < view->acting; first += BLOCK) {
+    size_t count = view->acting - first < BLOCK ? view->acting - first : BLOCK;
+    take(p, view, u, first, count, &q);
+    HK_WIDEST(view->host->lanes, squares_of)(p, &q);
+    for (size_t k = 0; k < count && p->power != 1 && p->power != -2; k++) q.power[k] = power_of(p, q.s2[k]);
+    for (size_t k = count; k < BLOCK; k++) q.power[k] = 0;
+    HK_WIDEST(view->host->lanes, turn_many)(p, &q);
+    for (size_t k = 0; k < count; k++) {
+      double *to = into->x + 3 * hk_acting_particle(view, first + k);
+      for (int c = 0; c < 3; c++) to[c] += q.to[c][k];
+    }
+    if (into->parameter) add_slopes(p, view, &q, first, count, into);
   }
   return HK_OK;
 }

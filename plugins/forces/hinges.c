@@ -49,12 +49,6 @@ static void hessian(const void *self, const double *x, size_t k, unsigned e, dou
   hk_hinge_hessian(x, hk_tuple(&h->bending.element.acting.node, k), H);
 }
 
-static void hessian_product(const void *self, const double *x, size_t k, unsigned e, const double *u, double *Hu) {
-  const hinges *h = self;
-  (void)e;
-  hk_hinge_hessian_product(x, hk_tuple(&h->bending.element.acting.node, k), u, Hu);
-}
-
 /* Angles at rest and at the start. At the start every hinge of the list is an element, in its order. */
 static hk_status begin(hinges *h, const hk_view *view) {
   const hk_host *host = view->host;
@@ -74,8 +68,7 @@ static hk_status begin(hinges *h, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hinges *h = self;
   (void)host;
-  h->bending.element = (hk_element_force){
-      .acting = {.values = 1, .evaluate = evaluate, .self = h}, .hessian = hessian, .hessian_product = hessian_product};
+  h->bending.element = (hk_element_force){.acting = {.values = 1, .evaluate = evaluate, .self = h}, .hessian = hessian};
   hk_status status = hk_bending_create(&h->bending, view, &h->given);
   return status == HK_OK ? begin(h, view) : status;
 }
@@ -133,7 +126,7 @@ static hk_status accepted(void *self, const hk_view *view, double step) {
 
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
   const hinges *h = self;
-  hk_bending_transposed(&h->bending, view, &h->given, u, into, true);
+  hk_hinge_transposed(&h->bending, h->rest, h->turned.item, view, &h->given, u, into);
   return HK_OK;
 }
 

@@ -59,7 +59,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
   const quadratic_bending *b = self;
-  hk_bending_transposed(&b->bending, view, &b->given, u, into, false);
+  hk_bending_transposed(&b->bending, view, &b->given, u, into);
   return HK_OK;
 }
 

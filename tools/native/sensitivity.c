@@ -119,7 +119,7 @@ static int about(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)s->steps);
   lua_pushinteger(L, (lua_Integer)s->n);
   lua_pushstring(L, s->inexact);
-  lua_pushnumber(L, hk_sensitivity_bytes(s->steps, s->each, s->wide));
+  lua_pushnumber(L, hk_sensitivity_kept_bytes(s));
   if (!s->linearised) return 4;
   lua_pushnumber(L, s->dynamics->system.tol);
   return 5;

@@ -58,19 +58,13 @@ void hk_knots_note(const hk_knots *knots, double t, double slope) {
   knots->slope[k + 1] += part * slope;
 }
 
-/* Whether the comparison of runs has to see that the parameter does not change the path of a pin. */
-static bool moves_pins(const hk_varied *by) {
-  const hk_pins *more = by->more->pins, *less = by->less->pins;
-  return more->has_paths || more->has_slides || less->has_paths || less->has_slides;
-}
-
 static hk_status note_parameters(adjoint *w, const hk_taken_step *step, size_t k) {
   const hk_stage_point *p = &w->s->point[k];
   size_t v = 3 * w->s->n, at = ((size_t)(step - w->s->step) * w->s->stages + k) * w->count;
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
     double slope = 0, *own = w->kept ? w->kept + (at + j) * v : w->own;
-    if (w->chained[j] && !w->compares && !moves_pins(&w->by[j])) continue;
+    if (w->chained[j] && !w->compares && !hk_varied_moves_pins(&w->by[j])) continue;
     if (!w->known)
       status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], w->chained[j] ? w->by_forces.covers : NULL, own);
     for (size_t e = 0; e < v; e++) slope += w->u[k][e] * own[e];

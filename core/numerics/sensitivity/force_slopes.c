@@ -81,6 +81,11 @@ void hk_force_slopes_close(hk_force_slopes *s, const hk_dynamics *d) {
 
 /* ---- whether the chain rule holds ---- */
 
+bool hk_varied_moves_pins(const hk_varied *by) {
+  const hk_pins *more = by->more->pins, *less = by->less->pins;
+  return more->has_paths || more->has_slides || less->has_paths || less->has_slides;
+}
+
 static bool same_tuples(const hk_tuples *a, const hk_tuples *b) {
   return a->count == b->count && a->arity == b->arity &&
          (a->count == 0 || memcmp(a->index, b->index, a->count * a->arity * sizeof *a->index) == 0);
@@ -139,9 +144,21 @@ static bool same_force(const hk_dynamics *d, const hk_dynamics *e, size_t k, boo
   return same_rows(a, b);
 }
 
+/* Riders hand what acts on them to their carriers by their weights. */
+static bool same_riders(const hk_model *a, const hk_model *b) {
+  bool same = a->riders == b->riders;
+  for (size_t k = 0; k < a->riders && same; k++) {
+    const hk_rider *x = &a->rider[k], *y = &b->rider[k];
+    same = x->particle == y->particle && x->carriers == y->carriers;
+    for (uint32_t c = 0; same && c < x->carriers; c++)
+      same = x->carrier[c] == y->carrier[c] && x->weight[c] == y->weight[c];
+  }
+  return same;
+}
+
 static bool same_scene(const hk_force_slopes *s, const hk_dynamics *d, const hk_dynamics *e) {
   const hk_model *a = &d->state->model, *b = &e->state->model;
-  if (!same_tuples(&a->triangles, &b->triangles)) return false;
+  if (!same_tuples(&a->triangles, &b->triangles) || !same_riders(a, b)) return false;
   if (d->split.forces != e->split.forces || memcmp(a->pin, b->pin, a->n * sizeof *a->pin) != 0) return false;
   for (size_t k = 0; k < d->split.forces; k++)
     if (!same_force(d, e, k, s->covers[k])) return false;
@@ -160,6 +177,26 @@ static bool same_shapes(const hk_force_slopes *s, const hk_dynamics *d, const hk
 static bool same_masses(const hk_varied *by) {
   const hk_model *a = &by->more->state->model, *b = &by->less->state->model;
   return memcmp(a->mass, b->mass, a->n * sizeof *a->mass) == 0;
+}
+
+static bool same_values(const hk_instance *a, const hk_instance *b) {
+  const hk_param *params = a->plugin->params;
+  for (size_t r = 0; params && params[r].name; r++)
+    if (is_number(hk_param_type(&params[r])) && !same_numbers(&params[r], a->self, b->self)) return false;
+  return true;
+}
+
+bool hk_force_slopes_unmoved(const hk_force_slopes *s, const hk_varied *by, bool *unmoved) {
+  const hk_dynamics *d = by->more, *e = by->less;
+  bool start = memcmp(d->state->X, e->state->X, 3 * d->state->model.n * sizeof(double)) == 0,
+       all = !hk_varied_moves_pins(by);
+  bool same = !by->knots && same_scene(s, d, e) && same_masses(by);
+  for (size_t k = 0; k < d->split.forces; k++) {
+    unmoved[k] = same && s->covers[k] && same_values(force_at(d, k), force_at(e, k)) &&
+                 (start || !hk_force_of(force_at(d, k)->plugin)->implicit.of_start);
+    all = all && unmoved[k];
+  }
+  return all;
 }
 
 /* ---- the chain rule ---- */

@@ -20,5 +20,10 @@ void hk_force_slopes_close(hk_force_slopes *, const hk_dynamics *);
  * on, not what joins them, and not masses where other forces than these act on them. */
 bool hk_force_slopes_fit(const hk_force_slopes *, const hk_dynamics *, const hk_varied *);
 double hk_force_slopes_by(const hk_force_slopes *, const hk_dynamics *, const hk_varied *);
+/* Which forces are the same at the same x and v whatever the parameter is; whether all are, and no pin has to be looked
+ * at: the parameter then changes nothing but the start. */
+bool hk_force_slopes_unmoved(const hk_force_slopes *, const hk_varied *, bool *unmoved);
+/* Whether the comparison of runs has to see that the parameter does not change the path of a pin. */
+bool hk_varied_moves_pins(const hk_varied *);
 
 #endif

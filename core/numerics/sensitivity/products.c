@@ -47,14 +47,20 @@ static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, bool out, hk
   return status;
 }
 
-/* a -= K dx + D dv, in N */
-static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, const double *dX, double *a) {
+/* a -= K dx + D dv, in N, of count changes: each block is fetched once for all of them. */
+static void add_blocks(const hk_sensitivity *s, const hk_matrix *K, const hk_matrix *D, size_t count, size_t apart,
+                       const double *dX, double *a) {
   size_t v = 3 * s->n;
   for (size_t i = 0; i < s->n; i++)
     for (size_t e = K->row_start[i]; e < K->row_start[i + 1]; e++) {
-      const double *x = dX + 3 * (size_t)K->column[e], *u = x + v, *k = K->value + 9 * e, *d = D->value + 9 * e;
-      for (size_t p = 0; p < 3; p++, k += 3, d += 3)
-        a[3 * i + p] -= (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) + (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
+      const double *k = K->value + 9 * e, *d = D->value + 9 * e, *x = dX + 3 * (size_t)K->column[e];
+      double *to = a + 3 * i;
+      for (size_t j = 0; j < count; j++, x += apart, to += apart) {
+        const double *u = x + v;
+        for (size_t p = 0; p < 3; p++)
+          to[p] -= (k[3 * p] * x[0] + k[3 * p + 1] * x[1] + k[3 * p + 2] * x[2]) +
+                   (d[3 * p] * u[0] + d[3 * p + 1] * u[1] + d[3 * p + 2] * u[2]);
+      }
     }
 }
 
@@ -120,19 +126,20 @@ static hk_status add_differences(hk_sensitivity *s, const hk_stage_point *p, con
   return status;
 }
 
-/* Of more changes than these, blocks that are made once are cheaper than a product for each. */
-enum { FEW_CHANGES = 3 };
+/* Of more changes than these, blocks that are made once are cheaper than a product for each, which takes about as long
+ * as the force, a third of its blocks or less. */
+enum { FEW_CHANGES = 12 };
 
 hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart,
                                   const double *dX, double *a) {
   hk_matrix K, D;
   bool few = count <= FEW_CHANGES, any;
   hk_status status = blocks(s, p, few, &K, &D, &any);
+  for (size_t j = 0; j < count; j++) memset(a + j * apart, 0, 3 * s->n * sizeof *a);
+  if (any && status == HK_OK) add_blocks(s, &K, &D, count, apart, dX, a);
   for (size_t j = 0; j < count && status == HK_OK; j++) {
     const double *change = dX + j * apart;
     double *to = a + j * apart;
-    memset(to, 0, 3 * s->n * sizeof *to);
-    if (any) add_blocks(s, &K, &D, change, to);
     if (few) status = multiply(s, p, change, to);
     hk_sensitivity_divide(s, to);
     hk_riders_follow(&s->dynamics->state->model, to);

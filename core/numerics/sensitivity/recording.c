@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* Such a part of the scene's extent and of its speeds, the end of the steps taken again may be off: rounding, which
  * motion without order makes larger. */
@@ -192,9 +193,18 @@ static size_t stride_of(size_t steps, size_t each) {
   return stride > 1 ? (size_t)stride : 1;
 }
 
-double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
-  double stride = (double)stride_of(steps, each), kept = ceil((double)steps / stride);
+static double bytes_by(double stride, size_t steps, size_t each, size_t wide) {
+  double kept = ceil((double)steps / stride);
   return (kept * (double)wide + stride * (double)each) * sizeof(double);
+}
+
+double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide) {
+  return bytes_by((double)stride_of(steps, each), steps, each, wide);
+}
+
+double hk_sensitivity_kept_bytes(const hk_sensitivity *s) {
+  return s->stride ? bytes_by((double)s->stride, s->steps, s->each, s->wide)
+                   : hk_sensitivity_bytes(s->steps, s->each, s->wide);
 }
 
 /* The largest difference of places or of speeds at the end, relative to their size on the way; of speeds, which may be
@@ -212,6 +222,30 @@ static double off_by(const hk_sensitivity *s, const double *X, double time) {
   return worst;
 }
 
+static double processor_seconds(void) {
+  struct timespec t = {0};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static hk_status reserve_tape(hk_sensitivity *s, size_t stride) {
+  free(s->kept);
+  free(s->tape);
+  s->stride = stride;
+  s->kept = malloc(((s->steps / stride + 1) * s->wide + 1) * sizeof *s->kept);
+  s->tape = malloc((stride * s->each + 1) * sizeof *s->tape);
+  return s->kept && s->tape ? HK_OK : HK_NO_MEMORY;
+}
+
+/* Whether a step, taken with its points on new memory, costs more than to keep these in memory: about 0.3 ns a byte
+ * where it is new, which is in the seconds, and as much as that and some once more to write and to fetch them beyond
+ * the cache. What it decides changes no result. */
+static bool is_dear(const hk_sensitivity *s, double seconds) {
+  double all = (double)s->steps * (double)s->each * sizeof(double);
+  return all <= HK_TAPE_WHOLE && seconds > 0.8e-9 * (double)s->each * sizeof(double);
+}
+
+/* From the first step on; where steps of the first segment are found to be dear, once more, and all points are kept. */
 static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
   size_t size = s->wide;
   hk_status status = HK_OK;
@@ -219,19 +253,23 @@ static hk_status take_again(hk_sensitivity *s, hk_carried *Z) {
   memcpy(Z, s->start, 6 * s->n * sizeof *Z);
   for (size_t k = 0; k < s->steps && status == HK_OK; k += s->stride) {
     size_t end = k + s->stride < s->steps ? k + s->stride : s->steps;
+    double begun = processor_seconds();
     memcpy(s->kept + k / s->stride * size, Z, size * sizeof *Z);
     status = hk_sensitivity_record(s, k, end, Z);
+    double each = (processor_seconds() - begun) / (double)(end - k);
+    if (status != HK_OK || k > 0 || end == s->steps || !is_dear(s, each)) continue;
+    status = reserve_tape(s, s->steps);
+    if (status == HK_OK) return take_again(s, Z);
+    hk_error_set(s->dynamics->error, status, "no memory for the points of %zu steps", s->steps);
   }
   return status;
 }
 
 hk_status hk_sensitivity_finish(hk_sensitivity *s, hk_error *error) {
   s->loop->hooks = s->hooks;
-  s->stride = stride_of(s->steps, s->each);
-  s->kept = malloc(((s->steps / s->stride + 1) * s->wide + 1) * sizeof *s->kept);
-  s->tape = malloc((s->stride * s->each + 1) * sizeof *s->tape);
+  hk_status status = s->no_memory ? HK_NO_MEMORY : reserve_tape(s, stride_of(s->steps, s->each));
   hk_carried *Z = malloc((s->wide + 1) * sizeof *Z);
-  hk_status status = s->no_memory || !s->kept || !s->tape || !Z ? HK_NO_MEMORY : HK_OK;
+  if (!Z) status = HK_NO_MEMORY;
   if (status != HK_OK) hk_error_set(error, status, "no memory for the states of %zu steps", s->steps);
   if (status == HK_OK && (status = take_again(s, Z)) != HK_OK)
     hk_error_set(error, status, "%s", s->dynamics->error->text);

@@ -18,6 +18,8 @@
 
 /* Bytes of a tape that is worth more than sqrt N steps: memory beyond the cache costs as much as steps taken again. */
 enum { HK_TAPE_MOST = 1 << 20 };
+/* Bytes of a tape that holds all steps of a run, where to take one again costs more than that. */
+enum { HK_TAPE_WHOLE = 1 << 25 };
 /* Bytes of derivatives by parameters that are kept for further adjoints: each is two evaluations of the scene, which
  * take ten times as long as to read it from memory. */
 enum { HK_SHARED_MOST = 1 << 23 };
@@ -114,8 +116,11 @@ hk_status hk_sensitivity_open(hk_loop *, hk_sensitivity **made, hk_error *);
 /* Ends the record, and takes the steps again. HK_FAILED: they do not lead to the same end. */
 hk_status hk_sensitivity_finish(hk_sensitivity *, hk_error *);
 void hk_sensitivity_close(hk_sensitivity *);
-/* Bytes that the states take which an adjoint of so many steps keeps at a time; `each` and `wide` of a record. */
+/* Bytes that the states take which an adjoint of so many steps keeps at a time; `each` and `wide` of a record. Where
+ * `finish` finds that steps are dear, all points of the run, of HK_TAPE_WHOLE bytes at most. */
 double hk_sensitivity_bytes(size_t steps, size_t each, size_t wide);
+/* Of this record, after `finish` as it has found. */
+double hk_sensitivity_kept_bytes(const hk_sensitivity *);
 
 /* ---- tangent.c, adjoint.c: after `finish` ---- */
 

@@ -1,4 +1,5 @@
 /* Tangents: the derivative of each step, one after the other, for all parameters at once. */
+#include "core/numerics/sensitivity/force_slopes.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
 #include "core/numerics/sensitivity/linearised/linearised.h"
 #include "core/numerics/sensitivity/projection.h"
@@ -14,6 +15,8 @@ typedef struct tangents {
   double *stage;             /* of every parameter: the change of the stage's x and v, unused, */
   double *a[HK_MOST_STAGES]; /* of every parameter, of which the first 3n are the change of the acceleration */
   double *own;               /* 3n, da/dp */
+  size_t forces;
+  bool *unmoved, *none; /* of every parameter: the forces that it does not change; whether it changes none */
   hk_projection_slopes *by_constraints;
 } tangents;
 
@@ -23,7 +26,8 @@ static hk_status accelerations_of(tangents *w, size_t k) {
   size_t v = 3 * s->n;
   hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->a[k]);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
-    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], NULL, w->own);
+    if (w->none[j]) continue;
+    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], w->unmoved + j * w->forces, w->own);
     for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
   }
   return status;
@@ -105,12 +109,31 @@ static hk_status all_steps(tangents *w, hk_sensitivity_watch *watch, void *conte
   return status;
 }
 
+/* What does not change is not compared: its difference is 0, but for rounding. */
+static hk_status find_unmoved(tangents *w) {
+  hk_dynamics *d = w->s->dynamics;
+  hk_force_slopes forces;
+  w->forces = d->split.forces;
+  w->unmoved = calloc(w->count * (w->forces + 1) + 1, sizeof *w->unmoved);
+  hk_status status = w->unmoved ? hk_force_slopes_open(&forces, d) : HK_NO_MEMORY;
+  if (!w->unmoved) return status;
+  w->none = w->unmoved + w->count * w->forces;
+  for (size_t j = 0; j < w->count && status == HK_OK; j++)
+    w->none[j] = hk_force_slopes_unmoved(&forces, &w->by[j], w->unmoved + j * w->forces);
+  hk_force_slopes_close(&forces, d);
+  return status;
+}
+
 hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t count, hk_sensitivity_watch *watch,
                                   void *context, hk_error *error) {
   tangents w = {.s = s, .by = by, .count = count, .apart = s->wide};
   size_t all = w.apart * count;
   double *memory = calloc(w.apart + (2 + s->stages) * all + 3 * s->n, sizeof *memory);
-  if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu tangents", count);
+  if (!memory || find_unmoved(&w) != HK_OK) {
+    free(memory);
+    free(w.unmoved);
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu tangents", count);
+  }
   w.Z = memory;
   w.dZ = w.Z + w.apart;
   w.stage = w.dZ + all;
@@ -120,6 +143,7 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t
   hk_status status = s->projection ? hk_projection_vary(s, by, count, &w.by_constraints, error) : HK_OK;
   if (status == HK_OK) status = all_steps(&w, watch, context);
   free(w.by_constraints);
+  free(w.unmoved);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;

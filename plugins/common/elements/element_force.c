@@ -2,8 +2,7 @@
  * active. With g = grad C, H its Hessian and u = g.v, and z = k C + c u,
  *     F = -z g,      -dF/dx = k g g^T + z H + c g (H v)^T,      -dF/dv = c g g^T.
  * The last term of dF/dx is the rotation of the damping's direction and is not symmetric: HK_WANT_SYMMETRIC omits it.
- * With w = g.u, u.F = -z w and d(u.F)/dx = -(k w g + z H u + c w H v),      d(u.F)/dv = -c w g, so one Hessian gives
- * both products. HK_WANT_DEFINITE omits z H as well: k g g^T, the Gauss-Newton matrix, has no negative eigenvalue.
+ * HK_WANT_DEFINITE omits z H as well: k g g^T, the Gauss-Newton matrix, has no negative eigenvalue.
  * Invariant: `acting` holds its own copies, in the order of the lists they were copied from. */
 #include "plugins/common/elements/element_force.h"
 
@@ -161,41 +160,4 @@ void hk_element_force_jacobian(const hk_element_force *f, const hk_view *view, c
         if (e.c != 0) add_block(D + 3 * m * a + 3 * b, m, into->D + 9 * slot[arity * a + b]);
       }
   }
-}
-
-static void add_hessian_part(const hk_element_force *f, const double *x, size_t k, unsigned q, const double *direction,
-                             double *by_x) {
-  unsigned m = 3 * f->acting.node.arity;
-  double H[MOST * MOST], product[MOST];
-  if (!f->hessian) return;
-  if (f->hessian_product) {
-    f->hessian_product(f->acting.self, x, k, q, direction, product);
-    for (unsigned r = 0; r < m; r++) by_x[r] -= product[r];
-    return;
-  }
-  memset(H, 0, sizeof H);
-  f->hessian(f->acting.self, x, k, q, H);
-  for (unsigned r = 0; r < m; r++) by_x[r] -= dot(H + m * r, direction, m);
-}
-
-void hk_element_force_transposed(const hk_element_force *f, const hk_view *view, size_t k, const double *u,
-                                 const hk_transposed *into, const hk_element_slopes *slopes) {
-  const uint32_t *member = hk_tuple(&f->acting.node, k);
-  unsigned m = 3 * f->acting.node.arity;
-  double own[MOST], by_x[MOST] = {0}, turned[MOST];
-  element e = evaluate(f, view, k);
-  for (unsigned b = 0; b < m; b++) own[b] = u[3 * (size_t)member[b / 3] + b % 3];
-  for (unsigned q = 0; q < f->acting.values; q++) {
-    double w = dot(e.g[q], own, m), rate = dot(e.g[q], e.v, m), z = e.k * e.C[q] + e.c * rate;
-    for (unsigned b = 0; b < m; b++) turned[b] = z * own[b] + e.c * w * e.v[b];
-    add_hessian_part(f, view->x, k, q, turned, by_x);
-    for (unsigned b = 0; b < m; b++) {
-      by_x[b] -= e.k * w * e.g[q][b];
-      into->v[3 * (size_t)member[b / 3] + b % 3] -= e.c * w * e.g[q][b];
-    }
-    if (slopes->k) *slopes->k -= e.C[q] * w;
-    if (slopes->c) *slopes->c -= rate * w;
-    if (slopes->rest) *slopes->rest += e.k * w;
-  }
-  for (unsigned b = 0; b < m; b++) into->x[3 * (size_t)member[b / 3] + b % 3] += by_x[b];
 }

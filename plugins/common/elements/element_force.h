@@ -10,8 +10,6 @@ typedef struct hk_element_force {
   hk_elements acting; /* tuples whose members are all active; the result of hk_force.elements */
   /* H = d^2 C/dx^2 of the e-th number C of tuple k: (3 arity) x (3 arity), row-major. */
   void (*hessian)(const void *self, const double *x, size_t k, unsigned e, double *H); /* NULL: C is linear in x */
-  /* H u; NULL: by `hessian` */
-  void (*hessian_product)(const void *self, const double *x, size_t k, unsigned e, const double *u, double *Hu);
 } hk_element_force;
 
 /* To be called in `create` and `topology`. Where *rest was not given it is filled with the values of `evaluate` at the
@@ -24,12 +22,5 @@ double hk_element_force_energy(const hk_element_force *, const hk_view *view);
  * force can follow one another. */
 void hk_element_force_pattern(const hk_element_force *, hk_pattern *pattern);
 void hk_element_force_jacobian(const hk_element_force *, const hk_view *view, const hk_blocks *into, size_t *next);
-/* (dF/dx)^T u and (dF/dv)^T u of element k, as facets/implicit.h has them; to *k and *c, NULL: not wanted, are added
- * the derivatives of u.F by its stiffness and its damping, and to *rest that by a number that C is less. */
-typedef struct hk_element_slopes {
-  double *k, *c, *rest;
-} hk_element_slopes;
-void hk_element_force_transposed(const hk_element_force *, const hk_view *view, size_t k, const double *u,
-                                 const hk_transposed *into, const hk_element_slopes *slopes);
 
 #endif

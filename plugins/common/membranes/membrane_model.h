@@ -65,6 +65,11 @@ static inline double hk_volume_slope(double t, double n) {
   return hk_volume_term_at(t, n).first;
 }
 
+/* W'', where W' is there. */
+static inline double hk_volume_bend(double t, double n, double slope) {
+  return t >= 0.01 ? -(n + 1) * slope / t : hk_volume_term_at(t, n).second;
+}
+
 /* 1/|f| for |f|^2 = a; 1, at which there is no stress, where it has no direction. */
 HK_MEMBRANE_INLINE double hk_inverse_length(double a) { return 1 / sqrt(a > HK_MEMBRANE_TINY ? a : 1); }
 

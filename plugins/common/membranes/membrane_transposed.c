@@ -4,101 +4,145 @@
  *     dS(U) f + S U + S' R,      S' = the viscous stress of the rate e(U),
  * and that by v the load of S' f, where dS(U) is the derivative of the elastic stress along U; in baraff_witkin the
  * viscosity has the lengths beside, 1/a and 1/b. S is linear in the elasticity, and that is a function of the moduli.
- */
+ * Blocks of triangles are gathered, computed in loops that compilers turn into vectors, and scattered one after the
+ * other, as in membrane_kernel.c. */
 #include "plugins/common/membranes/membrane.h"
 
-#include "plugins/kit/vector3.h"
+enum { BLOCK = 64 };
 
-typedef struct state {
-  double f[2][3], U[2][3], R[2][3];
-  hk_metric g, e, rate;   /* of f; e(U); of R */
-  hk_elasticity m;        /* of the triangle */
-  hk_volume_term W;       /* of neo_hookean */
-  double damping, il, jl; /* s; 1/|f_u|, 1/|f_v| where the viscosity has them, and 1 */
-} state;
+typedef struct block {
+  double d[2][3][BLOCK], w[2][3][BLOCK], v[2][3][BLOCK]; /* sides, m; differences of u; rates, m/s */
+  double number[HK_MEMBRANE_ROWS][BLOCK];
+  double first[BLOCK], second[BLOCK];          /* W' and W'', of neo_hookean; before them t */
+  double x_to[2][3][BLOCK], v_to[2][3][BLOCK]; /* on corners 1 and 2 */
+  /* -u.F by the elasticity, of the elastic stress and the viscous one for a damping of 1 s, times a number each; that
+   * for the elasticity as it is; and by W', over c66. */
+  double part[4][BLOCK], creep[BLOCK], by_slope[BLOCK];
+} block;
 
-static hk_metric rate_of(const double f[2][3], const double w[2][3]) {
-  return (hk_metric){hk_dot(f[0], w[0]), hk_dot(f[1], w[1]), hk_dot(f[0], w[1]) + hk_dot(f[1], w[0])};
+typedef struct deformation {
+  double u[3], v[3];
+} deformation;
+
+HK_MEMBRANE_INLINE deformation deform(const block *q, const double d[2][3][BLOCK], int r) {
+  deformation f;
+  for (int c = 0; c < 3; c++) {
+    f.u[c] = q->number[HK_B0][r] * d[0][c][r] + q->number[HK_B2][r] * d[1][c][r];
+    f.v[c] = q->number[HK_B1][r] * d[0][c][r] + q->number[HK_B3][r] * d[1][c][r];
+  }
+  return f;
 }
 
-static state state_of(const hk_membrane *m, const hk_view *view, const double *u, size_t k) {
-  state s = {.m = hk_membrane_elasticity(m, k), .damping = m->damping, .il = 1, .jl = 1};
-  hk_membrane_deformation(m, k, view->x, s.f);
-  hk_membrane_deformation(m, k, u, s.U);
-  hk_membrane_deformation(m, k, view->v, s.R);
-  s.g = hk_membrane_metric((const double(*)[3])s.f);
-  s.e = rate_of((const double(*)[3])s.f, (const double(*)[3])s.U);
-  s.rate = rate_of((const double(*)[3])s.f, (const double(*)[3])s.R);
-  if (m->model == HK_NEO_HOOKEAN) s.W = hk_volume_term_at(s.g.a * s.g.b - s.g.c * s.g.c, m->exponent);
-  if (m->model == HK_BARAFF_WITKIN) s.il = hk_inverse_length(s.g.a), s.jl = hk_inverse_length(s.g.b);
-  return s;
+HK_MEMBRANE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+HK_MEMBRANE_INLINE hk_metric metric(const deformation *f) {
+  return (hk_metric){dot(f->u, f->u), dot(f->v, f->v), dot(f->u, f->v)};
 }
 
-/* dS(U): the metric changes by 2 e.a, 2 e.b and e.c. */
-static hk_stress change_of(hk_membrane_model model, const state *s) {
-  const hk_elasticity *m = &s->m;
-  const hk_metric *g = &s->g, *e = &s->e;
+HK_MEMBRANE_INLINE hk_metric rate_of(const deformation *f, const deformation *w) {
+  return (hk_metric){dot(f->u, w->u), dot(f->v, w->v), dot(f->u, w->v) + dot(f->v, w->u)};
+}
+
+/* dS(U): the metric changes by 2 e.a, 2 e.b and e.c; il and jl: 1/|f_u|, 1/|f_v|. */
+HK_MEMBRANE_INLINE hk_stress change_of(hk_membrane_model model, hk_elasticity m, hk_metric g, hk_metric e, double il,
+                                       double jl, double first, double second) {
   if (model == HK_BARAFF_WITKIN)
-    return (hk_stress){m->c11 * s->il * s->il * s->il * e->a, m->c22 * s->jl * s->jl * s->jl * e->b, m->c66 * e->c};
-  if (model == HK_STVK) return (hk_stress){m->c11 * e->a + m->c12 * e->b, m->c12 * e->a + m->c22 * e->b, m->c66 * e->c};
-  double turn = s->W.second * 2 * (e->a * g->b + e->b * g->a - g->c * e->c);
-  return (hk_stress){m->c66 * (turn * g->b + 2 * s->W.first * e->b), m->c66 * (turn * g->a + 2 * s->W.first * e->a),
-                     -m->c66 * (turn * g->c + s->W.first * e->c)};
+    return (hk_stress){m.c11 * il * il * il * e.a, m.c22 * jl * jl * jl * e.b, m.c66 * e.c};
+  if (model == HK_STVK) return (hk_stress){m.c11 * e.a + m.c12 * e.b, m.c12 * e.a + m.c22 * e.b, m.c66 * e.c};
+  double turn = second * 2 * (e.a * g.b + e.b * g.a - g.c * e.c);
+  return (hk_stress){m.c66 * (turn * g.b + 2 * first * e.b), m.c66 * (turn * g.a + 2 * first * e.a),
+                     -m.c66 * (turn * g.c + first * e.c)};
 }
 
 /* T += S w */
-static void add_stress(hk_stress S, const double w[2][3], double T[2][3]) {
-  hk_add_scaled(T[0], S.uu, w[0]);
-  hk_add_scaled(T[0], S.uv, w[1]);
-  hk_add_scaled(T[1], S.uv, w[0]);
-  hk_add_scaled(T[1], S.vv, w[1]);
-}
-
-static void add_load(const hk_membrane *m, size_t k, const double T[2][3], double *to) {
-  const uint32_t *corner = hk_tuple(&m->node, k);
-  for (size_t c = 0; c < 3; c++) {
-    double first = m->row[HK_B0][k] * T[0][c] + m->row[HK_B1][k] * T[1][c];
-    double second = m->row[HK_B2][k] * T[0][c] + m->row[HK_B3][k] * T[1][c];
-    to[3 * (size_t)corner[0] + c] += first + second;
-    to[3 * (size_t)corner[1] + c] -= first;
-    to[3 * (size_t)corner[2] + c] -= second;
+HK_MEMBRANE_INLINE void add_stress(hk_stress S, const deformation *w, deformation *T) {
+  for (int c = 0; c < 3; c++) {
+    T->u[c] += S.uu * w->u[c] + S.uv * w->v[c];
+    T->v[c] += S.uv * w->u[c] + S.vv * w->v[c];
   }
 }
 
-static void add_viscous(hk_membrane_model model, const state *s, double by_x[2][3], double by_v[2][3]) {
-  hk_elasticity viscosity = hk_membrane_viscosity(model, s->m, s->g, s->damping);
-  hk_stress drag = hk_membrane_drag(viscosity, s->rate), other = hk_membrane_drag(viscosity, s->e);
-  add_stress(drag, (const double(*)[3])s->U, by_x);
-  add_stress(other, (const double(*)[3])s->R, by_x);
-  add_stress(other, (const double(*)[3])s->f, by_v);
-  if (model != HK_BARAFF_WITKIN) return;
-  if (s->g.a > HK_MEMBRANE_TINY)
-    hk_add_scaled(by_x[0], -2 * viscosity.c11 * s->il * s->il * s->rate.a * s->e.a, s->f[0]);
-  if (s->g.b > HK_MEMBRANE_TINY)
-    hk_add_scaled(by_x[1], -2 * viscosity.c22 * s->jl * s->jl * s->rate.b * s->e.b, s->f[1]);
+/* The load of T on corners 1 and 2; corner 0 has what balances it. */
+HK_MEMBRANE_INLINE void set_load(const block *q, const deformation *T, int r, double to[2][3][BLOCK]) {
+  for (int c = 0; c < 3; c++) {
+    to[0][c][r] = -(q->number[HK_B0][r] * T->u[c] + q->number[HK_B1][r] * T->v[c]);
+    to[1][c][r] = -(q->number[HK_B2][r] * T->u[c] + q->number[HK_B3][r] * T->v[c]);
+  }
 }
+
+/* As block.part has them. */
+HK_MEMBRANE_INLINE void set_parts(block *q, hk_membrane_model model, hk_elasticity m, hk_metric g, hk_metric e,
+                                  hk_metric rate, double il, double jl, double damping, int r) {
+  double u = model == HK_BARAFF_WITKIN ? il * il : 1, v = model == HK_BARAFF_WITKIN ? jl * jl : 1;
+  hk_elasticity viscous = {u * rate.a * e.a, v * rate.b * e.b, rate.a * e.b + rate.b * e.a, rate.c * e.c}, elastic;
+  double swell = g.b * e.a + g.a * e.b - g.c * e.c;
+  if (model == HK_NEO_HOOKEAN)
+    elastic = (hk_elasticity){0, 0, 0, e.a + e.b + q->first[r] * swell};
+  else if (model == HK_BARAFF_WITKIN)
+    elastic = (hk_elasticity){(1 - il) * e.a, (1 - jl) * e.b, 0, g.c * e.c};
+  else
+    elastic =
+        (hk_elasticity){(g.a - 1) / 2 * e.a, (g.b - 1) / 2 * e.b, (g.a - 1) / 2 * e.b + (g.b - 1) / 2 * e.a, g.c * e.c};
+  q->part[0][r] = elastic.c11 + damping * viscous.c11, q->part[1][r] = elastic.c22 + damping * viscous.c22;
+  q->part[2][r] = elastic.c12 + damping * viscous.c12, q->part[3][r] = elastic.c66 + damping * viscous.c66;
+  q->creep[r] = viscous.c11 * m.c11 + viscous.c22 * m.c22 + viscous.c12 * m.c12 + viscous.c66 * m.c66;
+  q->by_slope[r] = swell;
+}
+
+HK_MEMBRANE_INLINE void compute(block *q, hk_membrane_model model, bool rates, double damping) {
+  for (int r = 0; r < BLOCK; r++) {
+    const hk_elasticity m = {q->number[HK_C11][r], q->number[HK_C22][r], q->number[HK_C12][r], q->number[HK_C66][r]};
+    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r), U = deform(q, (const double(*)[3][BLOCK])q->w, r);
+    deformation T = {{0, 0, 0}, {0, 0, 0}};
+    hk_metric g = metric(&f), e = rate_of(&f, &U);
+    double il = model == HK_BARAFF_WITKIN ? hk_inverse_length(g.a) : 1,
+           jl = model == HK_BARAFF_WITKIN ? hk_inverse_length(g.b) : 1;
+    add_stress(change_of(model, m, g, e, il, jl, q->first[r], q->second[r]), &f, &T);
+    hk_stress S = hk_membrane_stress(model, m, g, q->first[r]);
+    if (rates) {
+      deformation R = deform(q, (const double(*)[3][BLOCK])q->v, r), V = {{0, 0, 0}, {0, 0, 0}};
+      hk_metric rate = rate_of(&f, &R);
+      hk_elasticity viscosity = hk_membrane_viscosity(model, m, g, damping);
+      hk_stress drag = hk_membrane_drag(viscosity, rate), other = hk_membrane_drag(viscosity, e);
+      S.uu += drag.uu, S.vv += drag.vv, S.uv += drag.uv;
+      add_stress(other, &R, &T);
+      add_stress(other, &f, &V);
+      set_load(q, &V, r, q->v_to);
+      if (model == HK_BARAFF_WITKIN) { /* the lengths in its viscosity change, too */
+        double a = g.a > HK_MEMBRANE_TINY ? -2 * viscosity.c11 * il * il * rate.a * e.a : 0;
+        double b = g.b > HK_MEMBRANE_TINY ? -2 * viscosity.c22 * jl * jl * rate.b * e.b : 0;
+        for (int c = 0; c < 3; c++) T.u[c] += a * f.u[c], T.v[c] += b * f.v[c];
+      }
+      set_parts(q, model, m, g, e, rate, il, jl, damping, r);
+    }
+    add_stress(S, &U, &T);
+    set_load(q, &T, r, q->x_to);
+  }
+}
+
+HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, bool rates, double damping) {
+  if (model == HK_BARAFF_WITKIN)
+    rates ? compute(q, HK_BARAFF_WITKIN, true, damping) : compute(q, HK_BARAFF_WITKIN, false, 0);
+  else if (model == HK_STVK)
+    rates ? compute(q, HK_STVK, true, damping) : compute(q, HK_STVK, false, 0);
+  else
+    rates ? compute(q, HK_NEO_HOOKEAN, true, damping) : compute(q, HK_NEO_HOOKEAN, false, 0);
+}
+
+/* t, in the place of W'. */
+HK_MEMBRANE_INLINE void volumes(block *q) {
+  for (int r = 0; r < BLOCK; r++) {
+    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    hk_metric g = metric(&f);
+    q->first[r] = g.a * g.b - g.c * g.c;
+  }
+}
+
+HK_VERSIONS(static void, volumes_of, (block * q), volumes(q))
+HK_VERSIONS(static void, compute_many, (block * q, hk_membrane_model model, bool rates, double damping),
+            compute_model(q, model, rates, damping))
 
 /* ---- by parameters ----------------------------------------------------------------------------------------------- */
-
-/* -u.F by the elasticity, of the elastic stress and of the viscous one for a damping of 1 s. */
-static hk_elasticity elastic_part(hk_membrane_model model, const state *s) {
-  const hk_metric *g = &s->g, *e = &s->e;
-  double eu = (g->a - 1) / 2, ev = (g->b - 1) / 2;
-  if (model == HK_NEO_HOOKEAN)
-    return (hk_elasticity){.c66 = e->a + e->b + s->W.first * (g->b * e->a + g->a * e->b - g->c * e->c)};
-  if (model == HK_BARAFF_WITKIN) return (hk_elasticity){(1 - s->il) * e->a, (1 - s->jl) * e->b, 0, g->c * e->c};
-  return (hk_elasticity){eu * e->a, ev * e->b, ev * e->a + eu * e->b, g->c * e->c};
-}
-
-static hk_elasticity viscous_part(const state *s) {
-  const hk_metric *r = &s->rate, *e = &s->e;
-  return (hk_elasticity){s->il * s->il * r->a * e->a, s->jl * s->jl * r->b * e->b, r->a * e->b + r->b * e->a,
-                         r->c * e->c};
-}
-
-static double product(hk_elasticity a, hk_elasticity b) {
-  return a.c11 * b.c11 + a.c22 * b.c22 + a.c12 * b.c12 + a.c66 * b.c66;
-}
 
 /* dW'/dn; below least, where W goes on as its parabola, of that (membrane_model.h). */
 static double slope_by_exponent(double t, double n) {
@@ -122,14 +166,16 @@ static hk_elasticity elasticity_by(moduli at, moduli change) {
 
 enum { BY_STIFFNESS, BY_WEFT, BY_SHEAR, BY_NU, BY_DAMPING };
 
-static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const state *s, size_t k,
-                       double *const row[5]) {
-  size_t t = m->number[k], at = p->triangles.count ? t : 0;
-  double area = 0.5 / fabs(m->row[HK_B0][k] * m->row[HK_B3][k] - m->row[HK_B1][k] * m->row[HK_B2][k]);
-  hk_elasticity viscous = viscous_part(s), part = elastic_part(m->model, s);
-  row[BY_DAMPING][0] -= product(viscous, s->m);
-  part = (hk_elasticity){part.c11 + s->damping * viscous.c11, part.c22 + s->damping * viscous.c22,
-                         part.c12 + s->damping * viscous.c12, part.c66 + s->damping * viscous.c66};
+static double product(const double a[4], hk_elasticity b) {
+  return a[0] * b.c11 + a[1] * b.c22 + a[2] * b.c12 + a[3] * b.c66;
+}
+
+/* How the elasticity of triangle t of the start changes with the numbers of the force. */
+typedef struct changes {
+  hk_elasticity by_u, by_v, by_nu;
+} changes;
+
+static changes changes_of(const hk_membrane_params *p, size_t t) {
   bool weft = p->weft.count, shear = p->shear.count;
   moduli of = {.u = hk_tuple_value(&p->stiffness, t), .nu = p->nu};
   of.v = weft ? hk_tuple_value(&p->weft, t) : of.u;
@@ -137,28 +183,83 @@ static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const 
   double half = shear ? 0 : of.shear / 2;
   moduli by_u = {1, !weft, half * (1 / of.u + (weft ? 0 : 1 / of.v)), 0}, by_v = {0, 1, half / of.v, 0};
   moduli by_nu = {0, 0, -2 * half / (1 + p->nu), 1};
-  row[BY_STIFFNESS][at] -= area * product(part, elasticity_by(of, by_u));
-  if (weft) row[BY_WEFT][at] -= area * product(part, elasticity_by(of, by_v));
-  if (shear) row[BY_SHEAR][at] -= area * part.c66;
-  row[BY_NU][0] -= area * product(part, elasticity_by(of, by_nu));
-  if (m->model != HK_NEO_HOOKEAN) return;
-  const hk_metric *g = &s->g, *e = &s->e;
-  double by_n = slope_by_exponent(g->a * g->b - g->c * g->c, m->exponent) / ((1 - p->nu) * (1 - p->nu));
-  row[BY_NU][0] -= s->m.c66 * by_n * (g->b * e->a + g->a * e->b - g->c * e->c);
+  return (changes){elasticity_by(of, by_u), elasticity_by(of, by_v), elasticity_by(of, by_nu)};
+}
+
+static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const block *q, const double *t, size_t begin,
+                       size_t count, double *const row[5]) {
+  bool weft = p->weft.count, shear = p->shear.count;
+  bool one = p->stiffness.count <= 1 && p->weft.count <= 1; /* number for all triangles */
+  changes by = changes_of(p, m->number[begin]);
+  for (size_t r = 0; r < count; r++) {
+    size_t start = m->number[begin + r], at = p->triangles.count ? start : 0;
+    double B = q->number[HK_B0][r] * q->number[HK_B3][r] - q->number[HK_B1][r] * q->number[HK_B2][r];
+    double area = 0.5 / fabs(B), part[4] = {q->part[0][r], q->part[1][r], q->part[2][r], q->part[3][r]};
+    if (!one) by = changes_of(p, start);
+    row[BY_DAMPING][0] -= q->creep[r];
+    row[BY_STIFFNESS][at] -= area * product(part, by.by_u);
+    if (weft) row[BY_WEFT][at] -= area * product(part, by.by_v);
+    if (shear) row[BY_SHEAR][at] -= area * part[3];
+    row[BY_NU][0] -= area * product(part, by.by_nu);
+    if (m->model != HK_NEO_HOOKEAN) continue;
+    double by_n = slope_by_exponent(t[r], m->exponent) / ((1 - p->nu) * (1 - p->nu));
+    row[BY_NU][0] -= q->number[HK_C66][r] * by_n * q->by_slope[r];
+  }
+}
+
+/* ---- blocks ------------------------------------------------------------------------------------------------------ */
+
+/* The sides of the triangles from `begin` on, of one array; lanes beyond get those of the first. */
+static void gather(const hk_tuples *node, const double *from, size_t begin, size_t count, double into[2][3][BLOCK]) {
+  for (size_t r = 0; r < BLOCK; r++) {
+    const uint32_t *corner = hk_tuple(node, begin + (r < count ? r : 0));
+    const double *o = from + 3 * (size_t)corner[0], *p = from + 3 * (size_t)corner[1],
+                 *q = from + 3 * (size_t)corner[2];
+    for (int c = 0; c < 3; c++) into[0][c][r] = p[c] - o[c], into[1][c][r] = q[c] - o[c];
+  }
+}
+
+static void scatter(const hk_tuples *node, const double by[2][3][BLOCK], size_t begin, size_t count, double *to) {
+  for (size_t r = 0; r < count; r++) {
+    const uint32_t *corner = hk_tuple(node, begin + r);
+    double *a = to + 3 * (size_t)corner[0], *b = to + 3 * (size_t)corner[1], *d = to + 3 * (size_t)corner[2];
+    for (int c = 0; c < 3; c++) {
+      a[c] -= by[0][c][r] + by[1][c][r];
+      b[c] += by[0][c][r];
+      d[c] += by[1][c][r];
+    }
+  }
+}
+
+static void take(const hk_membrane *m, size_t begin, size_t count, block *q) {
+  for (size_t k = 0; k < HK_MEMBRANE_ROWS; k++)
+    for (size_t r = 0; r < BLOCK; r++) q->number[k][r] = m->row[k][begin + (r < count ? r : 0)];
+}
+
+static void take_volumes(const hk_membrane *m, int lanes, double t[BLOCK], block *q) {
+  HK_WIDEST(lanes, volumes_of)(q);
+  for (size_t r = 0; r < BLOCK; r++) {
+    t[r] = q->first[r];
+    q->first[r] = hk_volume_slope(t[r], m->exponent);
+    q->second[r] = hk_volume_bend(t[r], m->exponent, q->first[r]);
+  }
 }
 
 void hk_membrane_transposed(const hk_membrane *m, const hk_view *view, const hk_membrane_params *given, const double *u,
                             const hk_transposed *into, double *const row[5]) {
-  for (size_t k = 0; k < m->node.count; k++) {
-    double by_x[2][3] = {{0}}, by_v[2][3] = {{0}};
-    state s = state_of(m, view, u, k);
-    add_stress(change_of(m->model, &s), (const double(*)[3])s.f, by_x);
-    add_stress(hk_membrane_stress(m->model, s.m, s.g, s.W.first), (const double(*)[3])s.U, by_x);
-    if (m->damping > 0) {
-      add_viscous(m->model, &s, by_x, by_v);
-      add_load(m, k, (const double(*)[3])by_v, into->v);
-    }
-    add_load(m, k, (const double(*)[3])by_x, into->x);
-    if (row) add_slopes(m, given, &s, k, row);
+  bool rates = m->damping > 0 || row;
+  double t[BLOCK] = {0};
+  block q = {.first = {0}, .second = {0}};
+  for (size_t k = 0; k < m->node.count; k += BLOCK) {
+    size_t count = m->node.count - k < BLOCK ? m->node.count - k : BLOCK;
+    gather(&m->node, view->x, k, count, q.d);
+    gather(&m->node, u, k, count, q.w);
+    if (rates) gather(&m->node, view->v, k, count, q.v);
+    take(m, k, count, &q);
+    if (m->model == HK_NEO_HOOKEAN) take_volumes(m, view->host->lanes, t, &q);
+    HK_WIDEST(view->host->lanes, compute_many)(&q, m->model, rates, m->damping);
+    scatter(&m->node, (const double(*)[3][BLOCK])q.x_to, k, count, into->x);
+    if (m->damping > 0) scatter(&m->node, (const double(*)[3][BLOCK])q.v_to, k, count, into->v);
+    if (row) add_slopes(m, given, &q, t, k, count, row);
   }
 }

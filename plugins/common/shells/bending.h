@@ -58,10 +58,10 @@ double hk_bending_energy(void *self, const hk_view *view);
 void hk_bending_elements(void *self, const hk_view *view, hk_elements *out);
 void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern);
 hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *into);
-/* As hk_implicit_facet.transposed; `all_rows`: the table has `damping` and `rest` after HK_BENDING_PARAMS. */
+/* As hk_implicit_facet.transposed, of a force with weights; the rows of `hinges` follow HK_BENDING_PARAMS. */
 enum { HK_BENDING_RIGIDITY = 2, HK_BENDING_DAMPING, HK_BENDING_REST };
 void hk_bending_transposed(const hk_bending *, const hk_view *view, const hk_bending_params *given, const double *u,
-                           const hk_transposed *into, bool all_rows);
+                           const hk_transposed *into);
 void hk_bending_stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

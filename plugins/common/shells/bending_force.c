@@ -83,9 +83,27 @@ void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   hk_element_force_pattern(&((hk_bending *)self)->element, pattern);
 }
 
+/* Where C = sum weight x the block of two members is k times their weights times the identity; there is no damping. */
+static void add_linear_blocks(const hk_bending *b, const hk_blocks *into) {
+  const hk_elements *a = &b->element.acting;
+  const size_t *slot = into->slot;
+  for (size_t k = 0; k < a->node.count; k++, slot += 16) {
+    const double *w = b->weight[b->number[k]];
+    for (int m = 0; m < 4; m++)
+      for (int q = 0; q < 4; q++) {
+        double *K = into->K + 9 * slot[4 * m + q], part = a->stiffness.value[k] * w[m] * w[q];
+        K[0] += part, K[4] += part, K[8] += part;
+      }
+  }
+}
+
 hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const hk_bending *b = self;
   size_t next = 0;
-  hk_element_force_jacobian(&((hk_bending *)self)->element, view, into, &next);
+  if (b->weight)
+    add_linear_blocks(b, into);
+  else
+    hk_element_force_jacobian(&b->element, view, into, &next);
   return HK_OK;
 }
 

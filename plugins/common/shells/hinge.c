@@ -101,35 +101,6 @@ static void complete(double *H) {
     for (int c = 0; c < 3; c++) H[12 * r + c] = -H[12 * r + c + 3] - H[12 * r + c + 6] - H[12 * r + c + 9];
 }
 
-/* How the gradient of one wing, -|e| m/|m|^2, changes by dm and d|e|. */
-static void turn_wing(const double m[3], const double dm[3], double mm, double length, double dlength, double dg[3]) {
-  double along = 2 * hk_dot(m, dm) / mm;
-  for (int r = 0; r < 3; r++) dg[r] = -(dlength * m[r] + length * (dm[r] - along * m[r])) / mm;
-}
-
-void hk_hinge_hessian_product(const double *x, const uint32_t member[4], const double u[12], double Hu[12]) {
-  corners h = corners_of(x, member);
-  double d[3][3], dm[3], dn[3], part[3], length = sqrt(h.ee), *gc = Hu + 6, *gd = Hu + 9;
-  memset(Hu, 0, 12 * sizeof *Hu);
-  if (!has_area(&h)) return;
-  for (int k = 0; k < 3; k++) hk_subtract(d[k], u + 3 * k + 3, u);
-  hk_cross(dm, d[0], h.p);
-  hk_cross(part, h.e, d[1]);
-  for (int r = 0; r < 3; r++) dm[r] += part[r];
-  hk_cross(dn, d[2], h.e);
-  hk_cross(part, h.q, d[0]);
-  for (int r = 0; r < 3; r++) dn[r] += part[r];
-  double along = hk_dot(h.e, d[0]), s = hk_dot(h.p, h.e) / h.ee, t = hk_dot(h.q, h.e) / h.ee;
-  double ds = (hk_dot(d[1], h.e) + hk_dot(h.p, d[0]) - 2 * s * along) / h.ee;
-  double dt = (hk_dot(d[2], h.e) + hk_dot(h.q, d[0]) - 2 * t * along) / h.ee;
-  turn_wing(h.m, dm, h.mm, length, along / length, gc);
-  turn_wing(h.n, dn, h.nn, length, along / length, gd);
-  for (int r = 0; r < 3; r++) {
-    Hu[3 + r] = length * (ds * h.m[r] / h.mm + dt * h.n[r] / h.nn) - s * gc[r] - t * gd[r];
-    Hu[r] = -Hu[3 + r] - gc[r] - gd[r];
-  }
-}
-
 void hk_hinge_hessian(const double *x, const uint32_t member[4], double *H) {
   corners h = corners_of(x, member);
   memset(H, 0, 144 * sizeof *H);

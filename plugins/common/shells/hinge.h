@@ -24,7 +24,5 @@ bool hk_hinge_is_open(const double *x, const uint32_t member[4]);
 
 /* H = d^2 angle/dx^2, 12 x 12, row-major; 0 where a triangle has no area. */
 void hk_hinge_hessian(const double *x, const uint32_t member[4], double *H);
-/* H u, without H. */
-void hk_hinge_hessian_product(const double *x, const uint32_t member[4], const double u[12], double Hu[12]);
 
 #endif

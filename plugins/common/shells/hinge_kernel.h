@@ -12,5 +12,8 @@ void hk_hinge_forces(const hk_bending *, const double *rest, const double *turne
  * damping turns, which is not symmetric; with HK_WANT_DEFINITE k grad C grad C^T alone. */
 void hk_hinge_blocks(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
                      const hk_blocks *into);
+/* As hk_implicit_facet.transposed, with the parameters of the force `hinges`. */
+void hk_hinge_transposed(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
+                         const hk_bending_params *given, const double *u, const hk_transposed *into);
 
 #endif

@@ -137,17 +137,26 @@ local function direction(state)
 end
 
 -- What is missing of every equation, at what evaluation there is.
-local function miss(state, nodes, there)
-  local defect, missing, sum = {}, {}, 0
+local function gaps(state, nodes, there)
+  local defect, missing = {}, {}
   for k = 1, state.knots - 1 do
-    defect[k] = quadratic.add(there.ends[k], -1, nodes[k + 1])
-    for i = 1, state.d do sum = sum + state.penalty[i] * math.abs(defect[k][i]) end
+    local gap, behind, node = {}, there.ends[k], nodes[k + 1]
+    for i = 1, state.d do gap[i] = behind[i] - node[i] end
+    defect[k] = gap
   end
-  for i, goal in ipairs(state.goals) do
-    missing[i] = ranges.missed(goal, there.goals[i])
-    sum = sum + state.price[i] * math.abs(missing[i])
+  for i, goal in ipairs(state.goals) do missing[i] = ranges.missed(goal, there.goals[i]) end
+  return defect, missing
+end
+
+-- All that is missing, by the weights of the merit.
+local function sum_of(state, defect, missing)
+  local sum, d, penalty = 0, state.d, state.penalty
+  for k = 1, #defect do
+    local gap = defect[k]
+    for i = 1, d do sum = sum + penalty[i] * math.abs(gap[i]) end
   end
-  return defect, missing, sum
+  for i = 1, #missing do sum = sum + state.price[i] * math.abs(missing[i]) end
+  return sum
 end
 
 -- Weights above all multipliers, which fall slowly.
@@ -176,8 +185,7 @@ end
 
 -- The nodes and controls from which what is missing there is taken back, by the derivatives that the step has: the correction of
 -- second order, without which the merit forbids whole steps along bent equations (Maratos; Nocedal and Wright 18.3).
-local function corrected(state, step, nodes, u, there)
-  local defect, missing = miss(state, nodes, there)
+local function corrected(state, step, nodes, u, defect, missing)
   local base, y = state.horizon:least(nil, nil, defect, missing)
   local off = table.move(missing, state.limits.equal + 1, #missing, bounded_controls(state) + 1, {})
   local _, weight = quadratic.back(step, missing, joined(base, y), off)
@@ -192,21 +200,24 @@ end
 
 -- Goes along the step as far as the merit falls; false: nowhere.
 local function search(state, step, evaluate)
-  local _, _, now = miss(state, state.nodes, state.there)
+  local now = sum_of(state, state.defect, state.missing)
   local slope = 2 * linear.dot(effort_slope(state, state.u), step.p) - step.asked * now
   local merit, part = effort_of(state, state.u) + now, 1
   for _ = 1, most_halvings do
     local nodes, u = moved(state, step, part)
     local last = math.huge
     for _ = 0, step.asked == 1 and most_corrections or 0 do
-      local there = evaluate(u, nodes, false)
-      local sum = there and select(3, miss(state, nodes, there)) or math.huge
+      local there, sum, defect, missing = evaluate(u, nodes, false), math.huge, nil, nil
+      if there then
+        defect, missing = gaps(state, nodes, there)
+        sum = sum_of(state, defect, missing)
+      end
       if there and effort_of(state, u) + sum <= merit + 1e-4 * part * slope + 1e-13 * math.abs(merit) then
         state.nodes, state.u = nodes, u
         return part
       end
       if sum >= last or sum == math.huge then break end
-      nodes, u = corrected(state, step, nodes, u, there)
+      nodes, u = corrected(state, step, nodes, u, defect, missing)
       last = sum
     end
     part = part / 2
@@ -224,7 +235,7 @@ local function take(state, evaluate)
   local there, why = evaluate(state.u, state.nodes, state.weights)
   if not there then return nil, why end
   state.there = there
-  state.defect, state.missing = miss(state, state.nodes, there)
+  state.defect, state.missing = gaps(state, state.nodes, there)
   for k = 1, state.knots - 1 do state.horizon:segment(k, there.J[k], there.H[k]) end
   for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i], not goal.value) end
   return true
@@ -300,7 +311,7 @@ function transcription.minimise(options)
       return nil, nil, state.contradiction or { row = state.limits:worst(table.move(state.there.goals, #c + 1, #state.goals, #c + 1, c)) }
     end
     weigh(state, step, step.equations)
-    local _, _, missing = miss(state, state.nodes, state.there)
+    local missing = sum_of(state, state.defect, state.missing)
     local cost = effort_of(state, state.u)
     if options.note then options.note(iteration, cost, missing, state.u) end
     local small = size_of(step.p) <= options.tolerance * math.max(size_of(state.u), 1e-300)

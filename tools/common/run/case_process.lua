@@ -102,17 +102,36 @@ local function unpacked(bytes)
   return list
 end
 
+-- Rows of equally many floats, as the states at knots, as their bytes and the length of a row; nil: it is something else.
+local function packed_rows(list)
+  local flat, width = {}, type(list[1]) == "table" and #list[1] or 0
+  if width == 0 or next(list, #list) ~= nil then return nil end
+  for k, row in ipairs(list) do
+    if type(row) ~= "table" or #row ~= width or next(row, width) ~= nil then return nil end
+    table.move(row, 1, width, (k - 1) * width + 1, flat)
+  end
+  return packed(flat), width
+end
+
+local function unpacked_rows(width, bytes)
+  local flat, rows = unpacked(bytes), {}
+  for k = 1, #flat // width do rows[k] = table.move(flat, (k - 1) * width + 1, k * width, 1, {}) end
+  return rows
+end
+
 -- A value as text of a Lua expression, with all bits of numbers.
 local function dump(value)
   if type(value) ~= "table" then return ("%q"):format(value) end
   local bytes = packed(value)
   if bytes then return ("F%q"):format(bytes) end
+  local rows, width = packed_rows(value)
+  if rows then return ("M(%d,%q)"):format(width, rows) end
   local parts = {}
   for key, item in pairs(value) do parts[#parts + 1] = ("[%s]=%s"):format(dump(key), dump(item)) end
   return "{" .. table.concat(parts, ",") .. "}"
 end
 
-local function undump(text) return assert(load("return " .. text, "=result", "t", { F = unpacked }))() end
+local function undump(text) return assert(load("return " .. text, "=result", "t", { F = unpacked, M = unpacked_rows }))() end
 
 -- What hooke.explain(path, params, options) returns, from a process of its own that the scene cannot leave.
 function case_process.explain(path, params, options)
@@ -134,15 +153,15 @@ function case_process.explain(path, params, options)
 end
 
 -- Loads the installation's plugins that a case names before the fork, so that the processes of cases need not load
--- them. The scene's script tells them in a process of its own.
+-- them. The scene's script tells them in a process of its own, or has told them before: case.explained.
 local loaded = {}
 function case_process.warm(case)
   local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
   if loaded[key] then return end
   loaded[key] = true
-  local explained = case_process.explain(case.scene, case.params, { trust = case.trust })
+  local explained = case.explained or case_process.explain(case.scene, case.params, { trust = case.trust })
   if not explained then return end
-  local list = explained.plugins
+  local list = table.move(explained.plugins, 1, #explained.plugins, 1, {})
   for kind, choice in pairs { integrator = case.integrator or explained.integrator, solver = case.solver or explained.solver } do
     list[#list + 1] = { kind = kind, name = choice:gsub(":.*", "") }
   end
