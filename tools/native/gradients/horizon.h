@@ -16,9 +16,9 @@
 #include <stddef.h>
 
 typedef struct horizon_goal {
-  size_t knot;   /* from 0 */
-  double *slope; /* d */
-  bool ranged;   /* it has a range, no value: its square is in no matrix */
+  size_t knot;    /* from 0 */
+  double *slope;  /* d */
+  double *square; /* d: of the number at that knot whose square is in the matrix; 0: none */
 } horizon_goal;
 
 typedef struct horizon {
@@ -26,7 +26,7 @@ typedef struct horizon {
   double *J;     /* of every segment: d rows of d + 2m numbers, by x, by u at its begin, by u at its end */
   double *C;     /* of every segment: d + 2m squared, symmetric; without the effort */
   double *W;     /* of every segment: 2m squared, the effort's second derivatives */
-  double square; /* the weight of the goals' squares */
+  double square; /* the weight of the squares */
   horizon_goal *goal;
   /* ---- made by hk_horizon_factor, q = d + m ---- */
   double *P;       /* of every knot: q squared, the second derivatives of what is still to be paid */
