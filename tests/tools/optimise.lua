@@ -154,6 +154,26 @@ cost, iterations, text = optimum("led.lua --way transcription --guess still --th
 assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
 refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
 
+-- From (a, b) and at rest to where x y = 1 in 2 s, by whatever speed: 3 d^2/T^3 to a point at the distance d, by a force that falls
+-- linearly to 0. The measure alone is bent: with its second derivatives Newton's steps converge quadratically.
+write("bent.lua", [[
+local scene = hooke.scene { duration = 2, fps = 5, integrator = "rk4", dt = 0.1 }
+local east, north = scene:control("east", { knots = 11 }), scene:control("north", { knots = 11 })
+local p = scene:particle { position = { 0.5, 0.2, 0 } }
+scene:force("field", { f = function(t) return east(t), north(t), 0 end })
+scene:measure("product", function(s) return s:position(p)[1] * s:position(p)[2] end)
+scene:goal { measure = "product", value = 1 }
+return scene
+]])
+local low, high = 0.5, 3
+for _ = 1, 60 do
+  local x = (low + high) / 2
+  if x - 0.5 - (1 / x - 0.2) / x ^ 2 < 0 then low = x else high = x end
+end
+local bent = 3 / 8 * ((low - 0.5) ^ 2 + (1 / low - 0.2) ^ 2)
+cost, iterations, text = optimum("bent.lua --way transcription")
+assert(math.abs(cost / bent - 1) < 1e-9 and iterations <= 7, ("%.12g\n%s"):format(bent, text))
+
 -- ---- goals with a range ----
 
 -- Thrown upwards at 1 m/s and back as fast after 1 s below a ceiling l <= 1/6 m: 8/(9 l), by a force that is linear in time until 3 l, 0

@@ -158,6 +158,19 @@ static int set_square(lua_State *L) {
   return 0;
 }
 
+/* h:bend(k, list): the second derivatives of what stands at knot k, d squared; nil: 0. */
+static int set_bend(lua_State *L) {
+  const horizon *h = self(L);
+  size_t d = h->d;
+  lua_settop(L, 3);
+  double *bend = h->bend + segment_at(L, 2, h->knots) * d * d;
+  if (lua_isnil(L, 3))
+    memset(bend, 0, d * d * sizeof *bend);
+  else
+    read_list(L, 3, bend, d * d);
+  return 0;
+}
+
 /* h:factor(weight): of the squares. Whether the matrix is positive along the equations. */
 static int factor(lua_State *L) {
   horizon *h = self(L);
@@ -206,9 +219,9 @@ __attribute__((visibility("default"))) int luaopen_horizon(lua_State *L);
 
 int luaopen_horizon(lua_State *L) {
   static const luaL_Reg functions[] = {{"new", create}, {NULL, NULL}};
-  static const luaL_Reg methods[] = {
-      {"segment", set_segment}, {"goal", set_goal}, {"square", set_square}, {"factor", factor}, {"least", least},
-      {"row", row_of},          {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"segment", set_segment}, {"goal", set_goal}, {"square", set_square},
+                                     {"bend", set_bend},       {"factor", factor}, {"least", least},
+                                     {"row", row_of},          {NULL, NULL}};
   luaL_newmetatable(L, type);
   lua_pushcfunction(L, collect);
   lua_setfield(L, -2, "__gc");

@@ -125,6 +125,7 @@ local function factor(state, A)
     weight = 30 * weight
   end
   for k = 1, state.knots - 1 do state.horizon:segment(k, state.there.J[k], nil) end
+  for k = 1, state.knots do state.horizon:bend(k, nil) end
   return state.horizon:factor(0)
 end
 
@@ -261,11 +262,12 @@ local function size_of(x)
 end
 
 local function take(state, evaluate)
-  local there, why = evaluate(state.u, state.nodes, state.weights)
+  local there, why = evaluate(state.u, state.nodes, state.weights, state.multipliers)
   if not there then return nil, why end
   state.there = there
   state.defect, state.missing = miss(state, state.nodes, there)
   for k = 1, state.knots - 1 do state.horizon:segment(k, there.J[k], there.H[k]) end
+  for k = 1, state.knots do state.horizon:bend(k, there.bends[k]) end
   for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i]) end
   return true
 end
@@ -282,7 +284,8 @@ local function begin(options)
   local saved = options.saved
   if saved then
     local state = new_state(options, saved.u, saved.nodes)
-    state.weights, state.penalty, state.price, state.first = saved.weights, saved.penalty, saved.price, saved.iteration
+    for _, key in ipairs { "weights", "multipliers", "penalty", "price" } do state[key] = saved[key] end
+    state.first = saved.iteration
     return state
   end
   local there, why = options.evaluate(options.start, nil, false)
@@ -314,11 +317,12 @@ local function result(state, iterations, ended)
 end
 
 -- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, or min and max, knot } }, those with
--- a value first, evaluate(u, nodes, weights) -> { start, ends, J, H, goals, slopes } (weights nil: without H; false: without J, H and
--- slopes; nodes nil: those of the run), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
+-- a value first, evaluate(u, nodes, weights, multipliers) -> { start, ends, J, H, goals, slopes, bends } (weights nil: without H;
+-- false: without J, H and slopes; nodes nil: those of the run; bends, of knots: the goals' second derivatives times their multipliers, of
+-- those that are 0 nil), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
 -- "still": all as the first one; "run": those of the run), note(iteration, cost, missing, u), save(state) before each iteration, with
--- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a
--- state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
+-- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, multipliers, penalty, price), and
+-- saved, such a state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
@@ -327,7 +331,7 @@ function transcription.minimise(options)
     local fine
     if options.save then
       options.save { iteration = iteration, u = state.u, nodes = state.nodes, weights = state.weights, penalty = state.penalty,
-        price = state.price }
+        price = state.price, multipliers = state.multipliers }
     end
     fine, why = take(state, options.evaluate)
     if not fine then return nil, why end
@@ -349,7 +353,7 @@ function transcription.minimise(options)
       return result(state, iteration - 1, "converged")
     end
     if not search(state, step, options.evaluate) then return result(state, iteration, "a search without a way down") end
-    state.weights = step.equations
+    state.weights, state.multipliers = step.equations, step.multipliers
   end
   return result(state, most, "as many iterations as --most")
 end
