@@ -80,7 +80,7 @@ assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s ap
 
 -- By transcription in at most 30 iterations to the same optimum, as far as the steps between knots are equations that both hold.
 local by_states, words, iterations = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription")
-assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 22, words) -- 18 with 101 knots
+assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 22, words) -- 20 as found here
 
 -- One that is ended after a few iterations goes on with the next one, and comes to the same optimum, bit by bit.
 local goals = "cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription "
