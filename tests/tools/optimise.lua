@@ -201,6 +201,21 @@ for _, way in ipairs { "shooting", "transcription" } do
   cost = cost_of("ceiling.lua l=0.26 --way " .. way)
   assert(math.abs(cost - 4) < 1e-9, cost)
 end
+-- Round a disc of 0.5 m by way of its top: where the point at half of the time is (c, y), 6 + 24 c^2 to the side and 24 y^2 - 1.2 y +
+-- 0.01875 upwards; along the disc's edge 12.01875 - 1.2 y, of which the bent edge leaves a twentieth of the curvature.
+write("round.lua", [[
+local scene = hooke.scene { duration = 2, fps = 10, integrator = "rk4", dt = 0.1 }
+local east, north = scene:control("east", { knots = 21 }), scene:control("north", { knots = 21 })
+local p = scene:particle { position = { -1, 0.05, 0 } }
+scene:force("field", { f = function(t) return east(t), north(t), 0 end })
+scene:measure("far", function(s) return math.sqrt(s:position(p)[1] ^ 2 + s:position(p)[2] ^ 2) end)
+for k = 1, 19 do scene:goal { measure = "far", min = 0.5, at = k / 10 } end
+scene:goal { particle = p, position = { 1, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+cost, iterations, text = optimum("round.lua --way transcription")
+assert(math.abs(cost - 11.41875) < 1e-8 and iterations <= 16, text)
+
 refused("ceiling.lua low=true", "goal: min: 0.2 is above max, 0.1: no value of x lies between")
 refused("ceiling.lua twice=true", "goal: x at 0.5 s has a goal already (line 7): give a value, or min and max together")
 refused("ceiling.lua both=true", "goal: min and max are of a measure without a value")

@@ -89,7 +89,8 @@ local function add_bend(record, goal, X, slope, price, bend)
     end
     for i = 1, more and n or 0 do
       local half_of = price * (more[i] - less[i]) / (4 * far)
-      bend[(e - 1) * n + i], bend[(i - 1) * n + e] = bend[(e - 1) * n + i] + half_of, bend[(i - 1) * n + e] + half_of
+      bend[(e - 1) * n + i] = bend[(e - 1) * n + i] + half_of
+      bend[(i - 1) * n + e] = bend[(i - 1) * n + e] + half_of
     end
   end
   return true
