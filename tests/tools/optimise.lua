@@ -179,6 +179,26 @@ cost, iterations, text = optimum("led.lua --way transcription --guess still --th
 assert(math.abs(cost - led) < 1e-10 and iterations == 3, text)
 refused("led.lua far=1 --way transcription --through far=0,1", "--through: far is given already")
 
+-- From (a, b) and at rest to where x y = 1 in 2 s, by whatever speed: 3 d^2/T^3 to a point at the distance d, by a force that falls
+-- linearly to 0. The measure alone is bent: with its second derivatives Newton's steps converge quadratically.
+write("bent.lua", [[
+local scene = hooke.scene { duration = 2, fps = 5, integrator = "rk4", dt = 0.1 }
+local east, north = scene:control("east", { knots = 11 }), scene:control("north", { knots = 11 })
+local p = scene:particle { position = { 0.5, 0.2, 0 } }
+scene:force("field", { f = function(t) return east(t), north(t), 0 end })
+scene:measure("product", function(s) return s:position(p)[1] * s:position(p)[2] end)
+scene:goal { measure = "product", value = 1 }
+return scene
+]])
+local low, high = 0.5, 3
+for _ = 1, 60 do
+  local x = (low + high) / 2
+  if x - 0.5 - (1 / x - 0.2) / x ^ 2 < 0 then low = x else high = x end
+end
+local bent = 3 / 8 * ((low - 0.5) ^ 2 + (1 / low - 0.2) ^ 2)
+cost, iterations, text = optimum("bent.lua --way transcription")
+assert(math.abs(cost / bent - 1) < 1e-9 and iterations <= 7, ("%.12g\n%s"):format(bent, text))
+
 -- ---- goals with a range ----
 
 -- Thrown upwards at 1 m/s and back as fast after 1 s below a ceiling l <= 1/6 m: 8/(9 l), by a force that is linear in time until 3 l, 0
@@ -206,6 +226,21 @@ for _, way in ipairs { "shooting", "transcription" } do
   cost = cost_of("ceiling.lua l=0.26 --way " .. way)
   assert(math.abs(cost - 4) < 1e-9, cost)
 end
+-- Round a disc of 0.5 m by way of its top: where the point at half of the time is (c, y), 6 + 24 c^2 to the side and 24 y^2 - 1.2 y +
+-- 0.01875 upwards; along the disc's edge 12.01875 - 1.2 y, of which the bent edge leaves a twentieth of the curvature.
+write("round.lua", [[
+local scene = hooke.scene { duration = 2, fps = 10, integrator = "rk4", dt = 0.1 }
+local east, north = scene:control("east", { knots = 21 }), scene:control("north", { knots = 21 })
+local p = scene:particle { position = { -1, 0.05, 0 } }
+scene:force("field", { f = function(t) return east(t), north(t), 0 end })
+scene:measure("far", function(s) return math.sqrt(s:position(p)[1] ^ 2 + s:position(p)[2] ^ 2) end)
+for k = 1, 19 do scene:goal { measure = "far", min = 0.5, at = k / 10 } end
+scene:goal { particle = p, position = { 1, 0, 0 }, velocity = { 0, 0, 0 } }
+return scene
+]])
+cost, iterations, text = optimum("round.lua --way transcription")
+assert(math.abs(cost - 11.41875) < 1e-8 and iterations <= 16, text)
+
 refused("ceiling.lua low=true", "goal: min: 0.2 is above max, 0.1: no value of x lies between")
 refused("ceiling.lua twice=true", "goal: x at 0.5 s has a goal already (line 7): give a value, or min and max together")
 refused("ceiling.lua both=true", "goal: min and max are of a measure without a value")

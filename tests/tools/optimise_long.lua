@@ -81,7 +81,7 @@ assert(math.abs(cost - 57.9447803) < 1e-5 * 57.9447803, text) -- knots 1/40 s ap
 
 -- By transcription in at most 30 iterations to the same optimum, as far as the steps between knots are equations that both hold.
 local by_states, words, iterations = optimum("cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription")
-assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 30, words)
+assert(math.abs(by_states / cost - 1) < 1e-9 and iterations <= 22, words) -- 20 as found here
 
 -- One that is ended after a few iterations goes on with the next one, and comes to the same optimum, bit by bit.
 local goals = "cart_pole.lua --goal x=1,q=3.141592653589793,v=0,w=0 --way transcription "
@@ -119,5 +119,10 @@ assert(code == 2 and one:find("it ended after as many iterations as --most", 1, 
 
 cost, text, iterations = optimum(os.getenv("HK_ROOT") .. "/scripts/scenes/luxo.lua rest=true far=0 --way transcription --guess still")
 assert(math.abs(cost - 1377.575201) < 1e-5 and iterations <= 30, text) -- as found here; the run and dop853 meet the goals
+
+-- Over 0.3 m, led there by shorter jumps, to the optimum that IPOPT finds on the same steps; its posts are goals that stiff links tie.
+cost, text, iterations = optimum(os.getenv("HK_ROOT") .. "/scripts/scenes/luxo.lua rest=true --way transcription --guess still "
+  .. "--accuracy 1 --through far=0,0.02,0.1,0.2,0.3")
+assert(math.abs(cost - 3208.164042) < 1e-5 and iterations <= 90, text)
 
 runs.close()

@@ -141,17 +141,37 @@ static int set_segment(lua_State *L) {
   return 0;
 }
 
-/* h:goal(g, knot, slope, ranged) */
+/* h:goal(g, knot, slope): without a square */
 static int set_goal(lua_State *L) {
   const horizon *h = self(L);
   horizon_goal *goal = &h->goal[segment_at(L, 2, h->goals)];
   goal->knot = segment_at(L, 3, h->knots);
   read_list(L, 4, goal->slope, h->d);
-  goal->ranged = lua_toboolean(L, 5);
+  memset(goal->square, 0, h->d * sizeof *goal->square);
   return 0;
 }
 
-/* h:factor(square): the weight of the goals' squares. Whether the matrix is positive along the equations. */
+/* h:square(g, slope): of the number whose square stands in the matrix beside goal g. */
+static int set_square(lua_State *L) {
+  const horizon *h = self(L);
+  read_list(L, 3, h->goal[segment_at(L, 2, h->goals)].square, h->d);
+  return 0;
+}
+
+/* h:bend(k, list): the second derivatives of what stands at knot k, d squared; nil: 0. */
+static int set_bend(lua_State *L) {
+  const horizon *h = self(L);
+  size_t d = h->d;
+  lua_settop(L, 3);
+  double *bend = h->bend + segment_at(L, 2, h->knots) * d * d;
+  if (lua_isnil(L, 3))
+    memset(bend, 0, d * d * sizeof *bend);
+  else
+    read_list(L, 3, bend, d * d);
+  return 0;
+}
+
+/* h:factor(weight): of the squares. Whether the matrix is positive along the equations. */
 static int factor(lua_State *L) {
   horizon *h = self(L);
   h->square = luaL_checknumber(L, 2);
@@ -161,8 +181,8 @@ static int factor(lua_State *L) {
 
 /* h:least(slope, prices, off, missing) -> the controls' changes, those of the goals, those of the states and the
  * multipliers of every segment's equations. slope of the cost by the controls, prices of the goals (what a unit of each
- * costs), off of every segment's equations (a list a segment), missing of every goal, of which the squares in the
- * matrix are; nil: 0. */
+ * costs), off of every segment's equations (a list a segment), missing of every number whose square is in the matrix;
+ * nil: 0. */
 static int least(lua_State *L) {
   const horizon *h = self(L);
   size_t n = h->knots, d = h->d;
@@ -174,8 +194,7 @@ static int least(lua_State *L) {
   if (!lua_isnil(L, 5)) read_list(L, 5, missing, h->goals);
   for (size_t g = 0; g < h->goals; g++)
     for (size_t i = 0; i < d; i++)
-      gx[h->goal[g].knot * d + i] +=
-          (price[g] + (h->goal[g].ranged ? 0 : h->square * missing[g])) * h->goal[g].slope[i];
+      gx[h->goal[g].knot * d + i] += price[g] * h->goal[g].slope[i] + h->square * missing[g] * h->goal[g].square[i];
   hk_horizon_least(h, gx, gu, off, x, u, list);
   for (size_t g = 0; g < h->goals; g++)
     for (size_t i = 0; i < d; i++) y[g] += h->goal[g].slope[i] * x[h->goal[g].knot * d + i];
@@ -200,8 +219,9 @@ __attribute__((visibility("default"))) int luaopen_horizon(lua_State *L);
 
 int luaopen_horizon(lua_State *L) {
   static const luaL_Reg functions[] = {{"new", create}, {NULL, NULL}};
-  static const luaL_Reg methods[] = {{"segment", set_segment}, {"goal", set_goal}, {"factor", factor},
-                                     {"least", least},         {"row", row_of},    {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"segment", set_segment}, {"goal", set_goal}, {"square", set_square},
+                                     {"bend", set_bend},       {"factor", factor}, {"least", least},
+                                     {"row", row_of},          {NULL, NULL}};
   luaL_newmetatable(L, type);
   lua_pushcfunction(L, collect);
   lua_setfield(L, -2, "__gc");

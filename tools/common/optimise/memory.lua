@@ -61,18 +61,20 @@ end
 
 -- ---- the state of a search, under words and the values u from which it began: the last one that was saved ----
 
--- state: iteration, dt, and lists of numbers, u, penalty and price, and lists of these, nodes and weights (or nil).
+-- state: iteration, dt, and lists of numbers, u, penalty, price and multipliers (or nil), and lists of these, nodes and
+-- weights (or nil).
 function memory:save(words, u, state)
   self.kept:put(journal.hash(words .. " " .. text_of(u)), { iteration = state.iteration, dt = text_of { state.dt or 0 },
     u = text_of(state.u), penalty = text_of(state.penalty), price = text_of(state.price), nodes = texts_of(state.nodes),
-    weights = state.weights and texts_of(state.weights) })
+    weights = state.weights and texts_of(state.weights), multipliers = state.multipliers and text_of(state.multipliers) })
 end
 
 function memory:saved(words, u)
   local row = self.kept:get(journal.hash(words .. " " .. text_of(u)))
   if not row then return nil end
   return { iteration = row.iteration, dt = numbers_of(row.dt)[1], u = numbers_of(row.u), penalty = numbers_of(row.penalty),
-    price = numbers_of(row.price), nodes = lists_of(row.nodes), weights = row.weights and lists_of(row.weights) }
+    price = numbers_of(row.price), nodes = lists_of(row.nodes), weights = row.weights and lists_of(row.weights),
+    multipliers = row.multipliers and numbers_of(row.multipliers) }
 end
 
 function memory:remove() self.kept:remove() end

@@ -3,6 +3,7 @@
 -- least effort by transcription over these.
 local case_process = require("common.run.case_process")
 local derivative = require("common.gradient.derivative")
+local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
 local transcription = require("common.optimise.transcription")
 
@@ -51,6 +52,50 @@ local function moved_behind(J, moves, defect)
   return behind
 end
 
+-- How far differences of slopes go: a part of the largest number of its kind, where slopes have errors of some 1e-10.
+local part_of_slopes, same_slope = 1e-4, 1e-7
+
+local function size_of(X, first, last)
+  local most = 0
+  for e = first, last do most = math.max(most, math.abs(X[e])) end
+  return most > 0 and most or 1
+end
+
+-- The slope of a goal where every number of the state is beside X by its part of `by`.
+local function slope_beside(record, goal, X, by)
+  local value, slope = record:survey(goal.name, goal.at, quadratic.add(X, 1, by), true)
+  return value and slope, slope
+end
+
+-- Adds to `bend`, rows of squares, the second derivatives of a goal's measure at X times its price, by differences of its slope along
+-- those numbers on which that depends; a slope that is the same where all numbers are others is that of a flat measure. Or nil and why.
+local function add_bend(record, goal, X, slope, price, bend)
+  local n, by, half = #X, {}, #X // 2
+  local reach = { size_of(X, 1, half) * part_of_slopes, size_of(X, half + 1, n) * part_of_slopes }
+  for e = 1, n do by[e] = reach[e > half and 2 or 1] * (0.5 + e * 0.6180339887 % 0.5) * (e % 2 == 0 and 1 or -1) end
+  local there, why = slope_beside(record, goal, X, by)
+  if not there then return nil, why end
+  local change = quadratic.add(there, -1, slope)
+  if size_of(change, 1, n) <= same_slope * size_of(slope, 1, n) or linear.dot(change, change) == 0 then return true end
+  for e = 1, n do
+    local far, more, less = reach[e > half and 2 or 1], nil, nil
+    for i = 1, n do by[i] = i == e and far or 0 end
+    if change[e] ~= 0 then
+      more, why = slope_beside(record, goal, X, by)
+      if not more then return nil, why end
+      by[e] = -far
+      less, why = slope_beside(record, goal, X, by)
+      if not less then return nil, why end
+    end
+    for i = 1, more and n or 0 do
+      local half_of = price * (more[i] - less[i]) / (4 * far)
+      bend[(e - 1) * n + i] = bend[(e - 1) * n + i] + half_of
+      bend[(i - 1) * n + e] = bend[(i - 1) * n + e] + half_of
+    end
+  end
+  return true
+end
+
 -- The evaluation of common/optimise/transcription.lua, by a record whose controls are given other values.
 local function evaluation_of(case, record, parts, start)
   local none = {}
@@ -67,20 +112,27 @@ local function evaluation_of(case, record, parts, start)
     return true
   end
 
-  local function survey(found, nodes, weights)
+  local function survey(found, nodes, weights, prices)
     for g, goal in ipairs(case.goals) do
       local node = goal.knot
-      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at,
-        nodes and nodes[node] or found.ends[node - 1] or start, weights ~= false)
+      local X = nodes and nodes[node] or found.ends[node - 1] or start
+      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at, X, weights ~= false)
       if not found.goals[g] then return nil, found.slopes[g] end
+      if prices and prices[g] ~= 0 then
+        local bend = found.bends[node] or {}
+        for e = #bend + 1, #X * #X do bend[e] = 0 end
+        local fine, why = add_bend(record, goal, X, found.slopes[g], prices[g], bend)
+        if not fine then return nil, why end
+        found.bends[node] = bend
+      end
     end
     return found
   end
 
-  return function(u, nodes, weights)
+  return function(u, nodes, weights, prices)
     local fine, why = assign(u)
     if not fine then return nil, why end
-    local found = { start = start, ends = {}, J = {}, H = {}, goals = {}, slopes = {} }
+    local found = { start = start, ends = {}, J = {}, H = {}, goals = {}, slopes = {}, bends = {} }
     local slopes, moves = weights ~= false and nodes ~= nil, none
     for k, part in ipairs(parts) do
       local from = nodes and nodes[k] or found.ends[k - 1] or start
@@ -92,7 +144,7 @@ local function evaluation_of(case, record, parts, start)
         moves = moved_behind(J, moves, quadratic.add(found.ends[k], -1, nodes[k + 1]))
       end
     end
-    return survey(found, nodes, weights)
+    return survey(found, nodes, weights, prices)
   end
 end
 

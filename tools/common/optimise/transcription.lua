@@ -10,7 +10,7 @@ local ranges = require("common.optimise.ranges")
 
 local transcription = {}
 
-local most_halvings, most_corrections = 12, 2
+local most_halvings, most_corrections = 12, 8
 
 local function zeros(n)
   local x = {}
@@ -73,20 +73,59 @@ local function reaches(state)
   return A
 end
 
--- Factors the matrix. Where it is not positive along the equations the goals' squares are added, which change nothing where the goals
--- are met, and make it positive where it is along them; where that does not help, the equations' curvature is left out, as Gauss and
--- Newton do: the effort alone is convex. (A multiple of 1 in its place, Waechter's and Biegler's correction of inertia, holds states
--- back that must go far: Luxo's lamp does not jump with it, and cart and pole take 28 iterations for 23.) False: never.
+-- The goals with a value at the same knot, mixed so that the controls move each by as much and none with another: by Gram's and
+-- Schmidt's sums, a line of parts for each goal, nil for one that follows from those before it. So the squares below weigh what stiff
+-- links hide: posts of one body that move together, which differ by little.
+local function mix(state, A)
+  local rows, lines = {}, {}
+  for i = 1, state.limits.equal do
+    local row, line, whole = A[i], zeros(i), linear.dot(A[i], A[i])
+    line[i] = 1
+    for k = 1, i - 1 do
+      if lines[k] and state.goals[k].knot == state.goals[i].knot then
+        local part = linear.dot(row, rows[k])
+        row = quadratic.add(row, -part, rows[k])
+        for e = 1, k do line[e] = line[e] - part * lines[k][e] end
+      end
+    end
+    local rest = linear.dot(row, row)
+    if rest > 1e-12 * whole then
+      local part = 1 / math.sqrt(rest)
+      rows[i], lines[i] = quadratic.add(row, part - 1, row), quadratic.add(line, part - 1, line)
+    end
+  end
+  return lines
+end
+
+-- What is missing of the mixed goals.
+local function mixed(state, missing)
+  local list = zeros(#missing)
+  for i, line in pairs(state.mix) do
+    for k, part in ipairs(line) do list[i] = list[i] + part * missing[k] end
+  end
+  return list
+end
+
+-- Factors the matrix. Where it is not positive along the equations the squares of the mixed goals are added, which change nothing
+-- where the goals are met, and make it positive where it is along them; where that does not help, the equations' curvature is left out,
+-- as Gauss and Newton do: the effort alone is convex. (A multiple of 1 in its place, Waechter's and Biegler's correction of inertia, holds
+-- states back that must go far: Luxo's lamp does not jump with it, and cart and pole take 28 iterations for 23.) False: never.
 local function factor(state, A)
+  state.mix = {}
   if state.horizon:factor(0) then return true end
-  local size = 0
-  for i = 1, #A do size = math.max(size, linear.dot(A[i], A[i])) end
-  local weight = size > 0 and 100 * state.n * 4 / 3 * state.interval / size or 0
-  for _ = 1, weight > 0 and 3 or 0 do
+  state.mix = mix(state, A)
+  for i, line in pairs(state.mix) do
+    local slope = zeros(state.d)
+    for k, part in ipairs(line) do slope = quadratic.add(slope, part, state.there.slopes[k]) end
+    state.horizon:square(i, slope)
+  end
+  local weight = 100 * 4 / 3 * state.interval
+  for _ = 1, next(state.mix) and 3 or 0 do
     if state.horizon:factor(weight) then return true end
     weight = 30 * weight
   end
   for k = 1, state.knots - 1 do state.horizon:segment(k, state.there.J[k], nil) end
+  for k = 1, state.knots do state.horizon:bend(k, nil) end
   return state.horizon:factor(0)
 end
 
@@ -127,12 +166,12 @@ local function direction(state)
   state.A = A
   local slope = effort_slope(state, state.u)
   slope = quadratic.add(slope, 1, slope)
-  local u, y = state.horizon:least(slope, nil, state.defect, state.missing)
+  local u, y = state.horizon:least(slope, nil, state.defect, mixed(state, state.missing))
   local step = program(state, slope, y, u)
   if not step then return nil end
   local prices
   slope, prices = split(state, step.slope)
-  step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, state.missing)
+  step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, mixed(state, state.missing))
   return step
 end
 
@@ -159,7 +198,8 @@ local function sum_of(state, defect, missing)
   return sum
 end
 
--- Weights above all multipliers, which fall slowly.
+-- Weights above all multipliers, which fall slowly (Powell 1978): one for a number of the state at all knots. (One for each knot as
+-- well takes Luxo's lamp to its optimum in fewer iterations, but its ski jump, from muscles that do nothing, nowhere.)
 local function weigh(state, step, list)
   for i = 1, state.d do
     local most = 0
@@ -186,13 +226,14 @@ end
 -- The nodes and controls from which what is missing there is taken back, by the derivatives that the step has: the correction of
 -- second order, without which the merit forbids whole steps along bent equations (Maratos; Nocedal and Wright 18.3).
 local function corrected(state, step, nodes, u, defect, missing)
-  local base, y = state.horizon:least(nil, nil, defect, missing)
+  local off_squares = mixed(state, missing)
+  local base, y = state.horizon:least(nil, nil, defect, off_squares)
   local off = table.move(missing, state.limits.equal + 1, #missing, bounded_controls(state) + 1, {})
   local _, weight = quadratic.back(step, missing, joined(base, y), off)
   local row = zeros(state.n + #missing)
   for i, part in ipairs(weight) do row = quadratic.add(row, part, step.set.rows[i]) end
   local slope, prices = split(state, row)
-  local back, _, change = state.horizon:least(slope, prices, defect, missing)
+  local back, _, change = state.horizon:least(slope, prices, defect, off_squares)
   local list = { nodes[1] }
   for k = 2, state.knots do list[k] = quadratic.add(nodes[k], 1, change[k]) end
   return list, within(state, quadratic.add(u, 1, back))
@@ -232,12 +273,13 @@ local function size_of(x)
 end
 
 local function take(state, evaluate)
-  local there, why = evaluate(state.u, state.nodes, state.weights)
+  local there, why = evaluate(state.u, state.nodes, state.weights, state.multipliers)
   if not there then return nil, why end
   state.there = there
   state.defect, state.missing = gaps(state, state.nodes, there)
   for k = 1, state.knots - 1 do state.horizon:segment(k, there.J[k], there.H[k]) end
-  for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i], not goal.value) end
+  for k = 1, state.knots do state.horizon:bend(k, there.bends[k]) end
+  for i, goal in ipairs(state.goals) do state.horizon:goal(i, goal.knot, there.slopes[i]) end
   return true
 end
 
@@ -253,7 +295,8 @@ local function begin(options)
   local saved = options.saved
   if saved then
     local state = new_state(options, saved.u, saved.nodes)
-    state.weights, state.penalty, state.price, state.first = saved.weights, saved.penalty, saved.price, saved.iteration
+    for _, key in ipairs { "weights", "multipliers", "penalty", "price" } do state[key] = saved[key] end
+    state.first = saved.iteration
     return state
   end
   local there, why = options.evaluate(options.start, nil, false)
@@ -285,11 +328,12 @@ local function result(state, iterations, ended)
 end
 
 -- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, or min and max, knot } }, those with
--- a value first, evaluate(u, nodes, weights) -> { start, ends, J, H, goals, slopes } (weights nil: without H; false: without J, H and
--- slopes; nodes nil: those of the run), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
+-- a value first, evaluate(u, nodes, weights, multipliers) -> { start, ends, J, H, goals, slopes, bends } (weights nil: without H;
+-- false: without J, H and slopes; nodes nil: those of the run; bends, of knots: the goals' second derivatives times their multipliers, of
+-- those that are 0 nil), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
 -- "still": all as the first one; "run": those of the run), note(iteration, cost, missing, u), save(state) before each iteration, with
--- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, penalty, price), and saved, such a
--- state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
+-- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, multipliers, penalty, price), and
+-- saved, such a state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
@@ -298,7 +342,7 @@ function transcription.minimise(options)
     local fine
     if options.save then
       options.save { iteration = iteration, u = state.u, nodes = state.nodes, weights = state.weights, penalty = state.penalty,
-        price = state.price }
+        price = state.price, multipliers = state.multipliers }
     end
     fine, why = take(state, options.evaluate)
     if not fine then return nil, why end
@@ -320,7 +364,7 @@ function transcription.minimise(options)
       return result(state, iteration - 1, "converged")
     end
     if not search(state, step, options.evaluate) then return result(state, iteration, "a search without a way down") end
-    state.weights = step.equations
+    state.weights, state.multipliers = step.equations, step.multipliers
   end
   return result(state, most, "as many iterations as --most")
 end

@@ -21,8 +21,8 @@ horizon *hk_horizon_create(size_t knots, size_t d, size_t m, size_t goals) {
   if (!h) return NULL;
   *h = (horizon){.knots = knots, .d = d, .m = m, .goals = goals};
   size_t q = d + m, w = wide(h), parts = knots - 1, s = q + m;
-  size_t numbers =
-      parts * (d * w + w * w + 4 * m * m + m * q) + knots * (m + q * q + m * m + 2 * q) + goals * d + 3 * s * s;
+  size_t numbers = parts * (d * w + w * w + 4 * m * m + m * q) + knots * (m + q * q + m * m + 2 * q + d * d) +
+                   2 * goals * d + 3 * s * s;
   h->memory = calloc(numbers, sizeof *h->memory);
   h->goal = calloc(goals + 1, sizeof *h->goal);
   if (!h->memory || !h->goal) {
@@ -36,7 +36,8 @@ horizon *hk_horizon_create(size_t knots, size_t d, size_t m, size_t goals) {
   h->K = take(&at, parts * m * q);
   h->P = take(&at, knots * q * q);
   h->L = take(&at, knots * m * m);
-  for (size_t g = 0; g < goals; g++) h->goal[g].slope = take(&at, d);
+  h->bend = take(&at, knots * d * d);
+  for (size_t g = 0; g < goals; g++) h->goal[g].slope = take(&at, d), h->goal[g].square = take(&at, d);
   h->scratch = take(&at, knots * 2 * q + 3 * s * s);
   return h;
 }
@@ -78,14 +79,17 @@ static void solve(const double *L, size_t n, double *x, size_t apart) {
   }
 }
 
-/* What stands at a knot alone: the goals' squares. */
+/* What stands at a knot alone: the goals' bend and squares. */
 static void add_knot(const horizon *h, size_t k, double *P) {
-  size_t q = h->d + h->m;
+  size_t d = h->d, q = d + h->m;
+  const double *bend = h->bend + k * d * d;
+  for (size_t i = 0; i < d; i++)
+    for (size_t e = 0; e < d; e++) P[i * q + e] += bend[i * d + e];
   for (size_t g = 0; g < h->goals; g++) {
-    const double *slope = h->goal[g].slope;
-    if (h->goal[g].knot != k || h->goal[g].ranged || h->square == 0) continue;
-    for (size_t i = 0; i < h->d; i++)
-      for (size_t e = 0; e < h->d; e++) P[i * q + e] += h->square * slope[i] * slope[e];
+    const double *slope = h->goal[g].square;
+    if (h->goal[g].knot != k || h->square == 0) continue;
+    for (size_t i = 0; i < d; i++)
+      for (size_t e = 0; e < d; e++) P[i * q + e] += h->square * slope[i] * slope[e];
   }
 }
 

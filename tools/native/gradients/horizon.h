@@ -1,7 +1,7 @@
 /* A quadratic program along time, as Newton's method on the equations of a transcription makes it:
  *
- *   least  sum over segments of z' C z / 2 + g . u + the squares of goals,  z = (x of the knot, u of both knots),
- *   with   x[k + 1] = J[k] z + off[k],  x[1] = 0,
+ *   least  sum over segments of z' C z / 2 + g . u + the squares of goals and x' B x / 2 of knots,  z = (x of the knot,
+ * u of both knots), with   x[k + 1] = J[k] z + off[k],  x[1] = 0,
  *
  * where x are the changes of the d numbers of the states at the knots and u those of the m controls there. It is solved
  * by the recursion of Riccati backwards in time (Bertsekas, Dynamic Programming and Optimal Control, 4.1; with the
@@ -16,9 +16,9 @@
 #include <stddef.h>
 
 typedef struct horizon_goal {
-  size_t knot;   /* from 0 */
-  double *slope; /* d */
-  bool ranged;   /* it has a range, no value: its square is in no matrix */
+  size_t knot;    /* from 0 */
+  double *slope;  /* d */
+  double *square; /* d: of the number at that knot whose square is in the matrix; 0: none */
 } horizon_goal;
 
 typedef struct horizon {
@@ -26,7 +26,8 @@ typedef struct horizon {
   double *J;     /* of every segment: d rows of d + 2m numbers, by x, by u at its begin, by u at its end */
   double *C;     /* of every segment: d + 2m squared, symmetric; without the effort */
   double *W;     /* of every segment: 2m squared, the effort's second derivatives */
-  double square; /* the weight of the goals' squares */
+  double *bend;  /* of every knot: d squared, symmetric, by x there */
+  double square; /* the weight of the squares */
   horizon_goal *goal;
   /* ---- made by hk_horizon_factor, q = d + m ---- */
   double *P;       /* of every knot: q squared, the second derivatives of what is still to be paid */
@@ -36,7 +37,7 @@ typedef struct horizon {
   double *memory;  /* that of all of these */
 } horizon;
 
-/* NULL: no memory. C, W and square are 0. */
+/* NULL: no memory. C, W, bend and square are 0. */
 horizon *hk_horizon_create(size_t knots, size_t d, size_t m, size_t goals);
 void hk_horizon_free(horizon *);
 
