@@ -265,6 +265,22 @@ local function draw_confidence(o, best)
   return fine, why, drawn
 end
 
+-- A diagram of each measure, of the residuals, and of the confidence in each two parameters: what there is, in words; or nil and why not.
+local function draw_all(o, best)
+  local drawn, pairs_drawn = {}, nil
+  for _, x in ipairs(o.observations) do
+    local fine, why = true, nil
+    if not drawn[x.name] then fine, why = draw(o, best, x.name, ("%s/%s"):format(o.out, x.name:gsub("[^%w_%-]", "_"))) end
+    if not fine then return nil, why end
+    drawn[x.name] = true
+  end
+  local fine, why = draw_residuals(o, best)
+  if fine then fine, why, pairs_drawn = draw_confidence(o, best) end
+  if not fine then return nil, why end
+  return (" and a diagram of each measure, of the residuals%s"):format(
+    #pairs_drawn > 0 and " and of the confidence in each two parameters" or "")
+end
+
 -- Prints and writes everything; or nil and why not.
 function report.write(o, minima)
   local best = minima[1]
@@ -272,21 +288,15 @@ function report.write(o, minima)
   o.answer, o.unanswered = description.answer("fit", o, json_text(o, minima), "minima")
   local fine, why = files.write(o.out .. "/fit.json", json_text(o, minima) .. "\n")
   if fine then fine, why = files.write(o.out .. "/fit.csv", csv_text(o, best)) end
-  local drawn = {}
-  for _, x in ipairs(o.observations) do
-    if fine and not drawn[x.name] then
-      drawn[x.name] = true
-      fine, why = draw(o, best, x.name, ("%s/%s"):format(o.out, x.name:gsub("[^%w_%-]", "_")))
-    end
+  local drawn = ""
+  if fine and not o.no_diagrams then
+    drawn, why = draw_all(o, best)
+    fine = drawn ~= nil
   end
-  if fine then fine, why = draw_residuals(o, best) end
-  local pairs_drawn = {}
-  if fine then fine, why, pairs_drawn = draw_confidence(o, best) end
   if o.json then command_line.print_json(json_text(o, minima)) else
     print_words(o, minima)
     if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
-    print(("wrote %s/fit.json, fit.csv and a diagram of each measure, of the residuals%s"):format(o.out,
-      #pairs_drawn > 0 and " and of the confidence in each two parameters" or ""))
+    print(("wrote %s/fit.json, fit.csv%s"):format(o.out, drawn or ""))
   end
   return fine and not o.unanswered, why or o.unanswered
 end

@@ -18,6 +18,7 @@ local function line_of(asks, folder)
   end
   local list = { "/proc/$PPID/exe", asks.command, quoted(folder .. "/scene.lua"), "--json", "--quiet", "--out",
     quoted(folder .. "/out") }
+  if asks.command == "fit" then list[#list + 1] = "--no-diagrams" end
   if asks.data then table.move({ "--data", quoted(folder .. "/data.csv") }, 1, 2, #list + 1, list) end
   for _, word in ipairs(asks.words or {}) do
     local option = tostring(word):match("^%-%-?([^=]*)")
