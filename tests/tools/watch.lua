@@ -348,9 +348,10 @@ function tests.the_hand_draws_a_particle_and_its_work_is_told()
   end)
 end
 
--- Another run, some frames of which are there: the first has come to its end at once.
+-- Another run, some frames of which are there: the first has come to its end at once. It is slow, so that what follows comes soon
+-- after these frames on a busy machine as well.
 local function under_way(w)
-  w:ask { ["do"] = "pace", pace = 1 }
+  w:ask { ["do"] = "pace", pace = 0.2 }
   w:ask { ["do"] = "start", values = {} }
   w:wait(function(s) return s.run == 2 and s.frames > 10 end)
 end
@@ -372,7 +373,9 @@ function tests.a_value_changes_while_the_run_goes_on()
     assert(s.checked:find("its parameters were changed while it ran", 1, true), s.checked)
     local warned = table.concat(s.warnings, "\n")
     assert(warned:find("the parameter g was 9.81 and is 0: positions, velocities and masses stay as they are", 1, true), warned)
-    assert(math.abs(s.energy.drift) < 1e-3, "drift " .. s.energy.drift) -- what the change gives is work
+    -- What the change gives is work. What leapfrog's energy is off by differs with the frame of the change:
+    -- 6e-5 to 3e-3 at ten frames up to the 60th, but 1e-2 where the chain is jerked.
+    assert(math.abs(s.energy.drift) < 2e-2, "drift " .. s.energy.drift)
     local numbers, before = w:get("numbers/2/0"), -1
     for k = 0, 120 do
       local t = string.unpack("<d", numbers, k * (#numbers // 121) + 1)

@@ -113,10 +113,11 @@ static const char *declared_name(const void *context, size_t k) {
   return k < s->params ? s->param[k].name : NULL;
 }
 
-/* The parameter with a letter wrong, that of which the help says that it is this, a synonym, or the closest name. */
+/* The parameter of which it is the plural; that of which the help says that it is
+ * this; a synonym; or the closest name. */
 static const char *meant(const hk_script *s, const char *name) {
-  const char *misspelt = hk_misspelt_name(name, declared_name, s);
-  if (misspelt) return misspelt;
+  const char *singular = hk_singular_name(name, declared_name, s);
+  if (singular) return singular;
   for (size_t k = 0; k < s->params; k++)
     if (s->param[k].help && hk_begins_with_words(s->param[k].help, name)) return s->param[k].name;
   return hk_registry_meant(s->options.registry, name, declared_name, s);

@@ -1,5 +1,6 @@
-/* What a name that is not known may mean: one with a wrong letter; one that the field uses for the same thing, as a
- * file lists them; one that its help begins with; or else the closest by edit distance, where capitals count for half.
+/* What a name that is not known may mean: one of which it is the plural; one that the field uses for the same thing, as
+ * a file lists them; one that its help begins with; or else the closest by edit distance, where capitals count for
+ * half.
  */
 #include "core/engine/text/text.h"
 
@@ -76,10 +77,12 @@ static bool nearly_same_word(const char *a, const char *b) {
   return strlen(b) >= SHORTEST && edit_distance(b, a) <= CHANGE;
 }
 
-const char *hk_misspelt_name(const char *wrong, hk_name_at *name, const void *context) {
+const char *hk_singular_name(const char *wrong, hk_name_at *name, const void *context) {
   const char *candidate;
+  size_t length = strlen(wrong);
   for (size_t k = 0; (candidate = name(context, k)) != NULL; k++)
-    if (nearly_same_word(candidate, wrong)) return candidate;
+    if (length == strlen(candidate) + 1 && wrong[length - 1] == 's' && strncmp(candidate, wrong, length - 1) == 0)
+      return candidate;
   return NULL;
 }
 

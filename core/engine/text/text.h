@@ -27,8 +27,8 @@ typedef const char *hk_name_at(const void *context, size_t k); /* the k-th name,
 
 /* The name closest to `wrong` by edit distance, or NULL when none is close. */
 const char *hk_nearest_name(const char *wrong, hk_name_at *, const void *context);
-/* The first that differs by one letter from a word of five letters or more; NULL: none does. */
-const char *hk_misspelt_name(const char *wrong, hk_name_at *, const void *context);
+/* The name of which `wrong` is the plural: cell of cells; NULL: there is none. */
+const char *hk_singular_name(const char *wrong, hk_name_at *, const void *context);
 /* `wrong` itself where there is this name, or the name that stands for it in the folder's file `synonyms`, lines of
  * "WORD NAME [NAME ...] [-- NOTE]"; or NULL. */
 const char *hk_synonym(const char *folder, const char *wrong, hk_name_at *, const void *context);

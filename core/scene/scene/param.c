@@ -16,11 +16,11 @@ static const char *name_at(const void *context, size_t k) {
   return k < known ? common[k] : NULL;
 }
 
-/* The parameter with a letter wrong, that of which the help says that it is this (k, "stiffness"), a synonym, or the
- * closest name. */
+/* The parameter of which it is the plural; that of which the help says that it is
+ * this (k, "stiffness"); a synonym; or the closest name. */
 static const char *meant(const hk_registry *registry, const hk_plugin *plugin, const char *name) {
-  const char *misspelt = hk_misspelt_name(name, name_at, plugin);
-  if (misspelt) return misspelt;
+  const char *singular = hk_singular_name(name, name_at, plugin);
+  if (singular) return singular;
   for (const hk_param *p = plugin->params; p && p->name; p++)
     if (p->help && hk_begins_with_words(p->help, name)) return p->name;
   return hk_registry_meant(registry, name, name_at, plugin);

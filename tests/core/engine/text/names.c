@@ -23,13 +23,13 @@ static void the_nearest_name_is_a_few_letters_away(void **state) {
   assert_string_equal(hk_nearest_name("grav", name_at, names), "gravity"); /* the beginning of it */
 }
 
-static void a_wrong_letter_is_told_from_other_words(void **state) {
+static void a_plural_is_told_from_other_words(void **state) {
   (void)state;
-  const char *const names[] = {"courant", "cell", "even", NULL};
-  assert_string_equal(hk_misspelt_name("cells", name_at, names), "cell");
-  assert_string_equal(hk_misspelt_name("coruant", name_at, names), "courant");
-  assert_null(hk_misspelt_name("size", name_at, names));
-  assert_null(hk_misspelt_name("evn", name_at, names)); /* too short to mean that and no other */
+  const char *const names[] = {"courant", "cell", "cameras", NULL};
+  assert_string_equal(hk_singular_name("cells", name_at, names), "cell");
+  assert_null(hk_singular_name("cell", name_at, names));
+  assert_null(hk_singular_name("camera", name_at, names)); /* which may stand for another */
+  assert_null(hk_singular_name("", name_at, names));
 }
 
 static void a_synonym_is_the_first_of_its_names_that_there_is(void **state) {
@@ -71,7 +71,7 @@ static void help_begins_with_whole_words(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_nearest_name_is_a_few_letters_away),
-      cmocka_unit_test(a_wrong_letter_is_told_from_other_words),
+      cmocka_unit_test(a_plural_is_told_from_other_words),
       cmocka_unit_test(a_synonym_is_the_first_of_its_names_that_there_is),
       cmocka_unit_test(a_synonym_may_have_a_note),
       cmocka_unit_test(help_begins_with_whole_words),
