@@ -3,7 +3,6 @@
 -- births and deaths, and in a large scene.
 local inspect = require("inspect")
 local members = require("members")
-local process = require("process")
 local cases = require("common.check.force.cases")
 local worst = require("common.check.force.worst")
 
@@ -91,14 +90,14 @@ local function in_a_large_scene(lines, found, plugin, base)
   if run then compare(lines, found, run, plugin, case) end
 end
 
--- The least time of several sums by parts: other load can only increase it.
+-- The least time of a processor of several sums by parts: other load can only increase it.
 local function seconds_of(plugin, case)
   local run, least = cases.open(plugin, case), math.huge
   local subject = run and inspect.open(run, plugin.name)
   for _ = 1, subject and 5 or 0 do
-    local begin = process.clock()
+    local begin = os.clock()
     inspect.parts(subject)
-    least = math.min(least, process.clock() - begin)
+    least = math.min(least, os.clock() - begin)
   end
   return least
 end
