@@ -107,6 +107,9 @@ local function take_priors(o)
     if not (word.start and word.low and not word.high) then
       return nil, ("--prior: %s: a mean and a standard deviation, %s=MEAN:DEVIATION"):format(word.name, word.name)
     end
+    if math.abs(word.start) == math.huge or word.low == math.huge then
+      return nil, ("--prior: %s: two finite numbers, %s=MEAN:DEVIATION"):format(word.name, word.name)
+    end
     if word.low <= 0 then return nil, ("--prior: %s: the standard deviation, %g, is not above 0"):format(word.name, word.low) end
     o.priors[at] = { mean = word.start, sd = word.low }
   end

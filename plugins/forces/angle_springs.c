@@ -15,7 +15,6 @@
 #include "plugins/common/joints/joint_list.h"
 #include "plugins/common/joints/joint_transposed.h"
 #include "plugins/kit/springs/edge_stiffness.h"
-#include "plugins/kit/vector3.h"
 
 typedef struct angle_springs {
   hk_tuples edges, joints;

@@ -22,7 +22,7 @@ local start = {
     -1.23 },
 }
 local knots, leaves, lands = 61, 0.8, 1.2 -- s
-local far = param("far", 0.5, "m, how far it jumps")
+local far = param("far", 0.5, "m, how far it jumps", { min = 0.2 })
 local height = 0.35 * far - 0.055 -- m, of the hurdle
 local rest = param("rest", false, "muscles that do nothing, to begin with")
 local scene = hooke.scene { duration = 2, fps = 30, integrator = "rk4", dt = 1 / 480 }

@@ -64,7 +64,7 @@ assert(all.minima[1].parameters.g.prior.mean == 4.2 and all.minima[1].numbers ==
 
 -- Points of the ellipse of 95 % have (p - best)^T C^-1 (p - best) = -2 ln 0.05.
 local wanted, seen = posterior(4.2, 0.3), 0
-for line in read("out/fit/throw/confidence-v-g.dat"):gmatch("[^\n]+") do
+for line in read("out/fit/throw/fit.confidence-v-g.dat"):gmatch("[^\n]+") do
   local v, g = line:match("^(%S+) (%S+)$")
   v, g = tonumber(v), tonumber(g)
   if v and g then
@@ -74,7 +74,7 @@ for line in read("out/fit/throw/confidence-v-g.dat"):gmatch("[^\n]+") do
   end
 end
 assert(seen >= 101, seen)
-assert(read("out/fit/throw/confidence-v-g.gp"):find("v (m/s)", 1, true) and read("out/fit/throw/residuals.png"):find("^\137PNG"))
+assert(read("out/fit/throw/fit.confidence-v-g.gp"):find("v (m/s)", 1, true) and read("out/fit/throw/fit.residuals.png"):find("^\137PNG"))
 
 -- A prior determines what the data leave open; without one they are as many as the numbers, and tell no deviations.
 write("one.csv", "t,x,x_sd\n1,3,0.1\n")
@@ -105,6 +105,26 @@ near("answer", json.decode(text:match("{.*}")).answer, posterior(4.2, 0.3).g, 1e
 
 code, text = fit("throw.lua --data plain.csv --by n=2")
 assert(code == 2 and text:find("n: the measures have a kink or jump at this value", 1, true), text)
+
+-- A kink at the best value of a single parameter, to which secants lead: |v t - 2 t| above data that are below 0.
+write("kink.lua", [[
+local v = param("v", 3, "m/s")
+local scene = hooke.scene { duration = 1, fps = 10, integrator = "leapfrog", dt = 0.05 }
+local p = scene:particle { velocity = { v, 0, 0 } }
+scene:measure("bent", function(s) return math.abs(s:position(p)[1] - 2 * s.t) end)
+scene:measure("straight", function(s) return 0.1 * s:position(p)[1] end)
+return scene
+]])
+write("kink.csv", "t,bent,bent_sd,straight,straight_sd\n1,-1,1,0.2,1\n")
+for _, start in ipairs { "v", "v=1.7" } do
+  code, text = fit("kink.lua --data kink.csv --by " .. start)
+  assert(code == 2 and text:find("the measures have a kink or jump at these values", 1, true), text)
+end
+
+-- ---- priors that are none ----
+
+refused("throw.lua --data data.csv --by v,g --prior g=1e999:1", "--prior: g: two finite numbers, g=MEAN:DEVIATION")
+refused("throw.lua --data data.csv --by v,g --prior g=1:1e999", "--prior: g: two finite numbers, g=MEAN:DEVIATION")
 
 -- ---- the best of the moment, while a fit goes on ----
 

@@ -252,7 +252,8 @@ static int integral(lua_State *L) {
 }
 
 /* record:replayed(measure, j) -> the measure at the end of the same steps where parameter j is larger, and where it is
- * smaller: of a method that chooses its steps whole runs take others. nil: it has no such steps, or they fail. */
+ * smaller: of a method that chooses its steps whole runs take others. nil: it has no such steps; nil, true: they fail.
+ */
 static int replayed(lua_State *L) {
   record *r = hk_record_at(L);
   size_t j = (size_t)luaL_checkinteger(L, 3) - 1;
@@ -262,8 +263,14 @@ static int replayed(lua_State *L) {
   hk_run *side[2] = {r->more[j], r->less[j]};
   double *X = lua_newuserdatauv(L, (6 * r->steps->n + 1) * sizeof *X, 0), value;
   for (int k = 0; k < 2; k++) {
-    if (hk_sensitivity_replay(r->steps, &side[k]->dynamics, X) != HK_OK) return 0;
-    if (hk_record_measure_at(r, side[k], r->run->state.t, hk_record_moved(r, X, NULL, 0), &value) != HK_OK) return 0;
+    hk_status status = hk_sensitivity_replay(r->steps, &side[k]->dynamics, X);
+    if (status == HK_OK)
+      status = hk_record_measure_at(r, side[k], r->run->state.t, hk_record_moved(r, X, NULL, 0), &value);
+    if (status != HK_OK) {
+      lua_pushnil(L);
+      lua_pushboolean(L, 1);
+      return 2;
+    }
     lua_pushnumber(L, value);
   }
   return 2;

@@ -99,9 +99,11 @@ static bool good_table(const hk_plugin *p, const hk_stages_facet *f, hk_reason_t
 static bool good_stages(const hk_plugin *p, const hk_stages_facet *f, hk_reason_text *reason) {
   if (p->integrator->flags & HK_ADAPTIVE && !(HK_HAS(f, linear) && f->linear))
     return hk_wrong(reason, "it has the facet '%s', which is for methods with a fixed step", HK_STAGES_ID);
+  if (HK_HAS(f, linear) && f->linear && !(f->start && f->start->count >= 3))
+    return hk_wrong(reason, "its facet '%s' has `linear`, and no `start` of three stages", HK_STAGES_ID);
   if (!good_table(p, f, reason)) return false;
   if (!f->start && f->back == 0) return true;
-  if (f->start && f->start->size >= sizeof *f && f->start->back == 0 && !f->start->start)
+  if (f->start && HK_HAS(f->start, start) && f->start->back == 0 && !f->start->start)
     return good_table(p, f->start, reason);
   return hk_wrong(reason, "its facet '%s' goes on from two states, and has no `start` that goes on from one",
                   HK_STAGES_ID);

@@ -1,7 +1,6 @@
-/* What a name that is not known may mean: one of which it is the plural; one that the field uses for the same thing, as
- * a file lists them; one that its help begins with; or else the closest by edit distance, where capitals count for
- * half.
- */
+/* What a name that is not known may mean: one of which it is the plural; one whose help begins with it; one that the
+ * field uses for the same thing, as a file lists them; or else the closest by edit distance, where capitals count for
+ * half. */
 #include "core/engine/text/text.h"
 
 #include <ctype.h>

@@ -215,9 +215,11 @@ static double off_by(const hk_sensitivity *s, const double *X, double time) {
   double worst = 0;
   for (size_t half = 0; half < 2; half++) {
     double most = 0;
-    for (size_t e = 3 * s->n * half; e < 3 * s->n * (half + 1); e++) most = fmax(most, fabs(X[e] - Y[e]));
+    for (size_t e = 3 * s->n * half; e < 3 * s->n * (half + 1); e++) {
+      if (!isfinite(X[e] - Y[e])) return INFINITY;
+      most = fmax(most, fabs(X[e] - Y[e]));
+    }
     worst = fmax(worst, most / (size[half] > 0 ? size[half] : 1));
-    if (!isfinite(most)) return INFINITY;
   }
   return worst;
 }

@@ -10,7 +10,8 @@
  * While the run goes on only times and lengths of its steps are kept. Afterwards they are taken again, which has to
  * lead to the same end: whatever acts on the run beside its accelerations is found so. The adjoint needs the points of
  * all evaluations in reverse order: of N steps the states of about sqrt N are kept, and the steps between two of them
- * taken once more, with all points on a tape; of a short run all are on the tape at once. */
+ * taken once more, with all points on a tape; of a short run, and where steps are dear and the points take up to
+ * HK_TAPE_WHOLE, all are on the tape at once. */
 #ifndef HK_SENSITIVITY_H
 #define HK_SENSITIVITY_H
 

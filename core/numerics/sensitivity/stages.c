@@ -8,7 +8,7 @@ const hk_stages_facet *hk_sensitivity_method(const hk_sensitivity *s, const hk_t
 }
 
 bool hk_sensitivity_evaluates(const hk_sensitivity *s, const hk_taken_step *step, size_t k) {
-  return k > 0 || !s->method->carries || step->fresh;
+  return k > 0 || step->fresh || !hk_sensitivity_method(s, step)->carries;
 }
 
 /* x* or v*: number e of what is carried. */

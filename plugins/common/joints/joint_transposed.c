@@ -1,7 +1,7 @@
 /* Products of joints for adjoints, in blocks as the forces have them (joint_kernel.c). With off = angle - rest, g_m its
- * gradient by the edges, H its Hessian, w and du the changes of the edges by u and their rates, turn = g.w and z = k
- * off
- * + c g.du, u.F = -z turn has the derivatives
+ * gradient by the edges, H its Hessian, w and du the changes of the edges by u and their rates, turn = g.w and
+ *     z = k off + c g.du,
+ * u.F = -z turn has the derivatives
  *     by x  -(k turn g + H (z w + c turn du)),    by v  -c turn g,
  *     by k  -off turn,    by c  -(g.du) turn,    by the angle at rest  k turn.
  * By joint.c, with y_m a change of the edges, g_m = a_m/l_m and the axis b

@@ -1,5 +1,5 @@
 /* Products of hinges for adjoints, in blocks as the forces have them (hinge_kernel.c). With C = angle - rest, g its
- * gradient, H its Hessian, w = g.u and z = k C + c g.v, u.F = -z w has the derivatives (element_force.c)
+ * gradient, H its Hessian, w = g.u and z = k C + c g.v, u.F = -z w has the derivatives
  *     by x  -(k w g + H (z u + c w v)),    by v  -c w g,    by k  -C w,    by c  -(g.v) w,    by rest  k w.
  * H d along a change d of the corners is how g_c = -|e| m/|m|^2, g_d and the feet s and t change with it (hinge.c). All
  * is in differences from a, which gets what balances the others. */

@@ -7,7 +7,7 @@
 local linear = require("common.fit.linear")
 local statistics = require("common.fit.statistics")
 
-local least_squares = {}
+local least_squares = { stuck = "no further descent" }
 
 local function cost_of(r)
   local sum = 0
@@ -29,14 +29,16 @@ local function neighbours(p, problem)
   return points
 end
 
--- How much the two one-sided differences differ, of their sum: 0 of what is smooth, 1 where all of the change is on one side.
+-- How much the two one-sided differences differ, of their sum: 0 of what is smooth, 1 where all of the change is on one side,
+-- infinite where both sides rise alike.
 local function bend(below, here, above)
   local apart, sum = 0, 0
   for k = 1, #here do
     apart = apart + (above[k] - 2 * here[k] + below[k]) ^ 2
     sum = sum + (above[k] - below[k]) ^ 2
   end
-  return sum > 0 and math.sqrt(apart / sum) or 0
+  if sum > 0 then return math.sqrt(apart / sum) end
+  return apart > 0 and math.huge or 0
 end
 
 -- J[j][k] = dr_k/dp_j by columns, and the bend of each; or nil and why a neighbour cannot be run. r: the residuals at p.
@@ -149,6 +151,7 @@ end
 -- else, updates alone crept on for more than 50 steps. By one parameter it is a secant: it always serves,
 -- and of a short step it is a difference itself.
 local short = 1e-2
+local steep = 1e-3 -- a cosine between the residuals and a column of the Jacobian that no minimum has
 
 local function move(state, q, r, length)
   local gained, miss = state.cost - cost_of(r), update(state, q, r)
@@ -182,6 +185,16 @@ local function is_least(state, free, problem)
   return length < problem.tolerance
 end
 
+-- Whether no step makes the squares smaller where by the derivatives one should: in a kink, or by noise of the runs.
+local function is_stuck(state, free, problem)
+  if #free == 0 or slope(state.J, state.r, free) < steep then return false end
+  local damping = state.damping
+  state.damping = 0
+  local _, length = stepped(state, free, problem)
+  state.damping = damping
+  return length > 1e3 * problem.tolerance
+end
+
 -- One iteration; whether it was the last, by what the Jacobian says, or nil and why it cannot be run.
 local function iterate(state, problem)
   local free = free_of(state, problem)
@@ -212,7 +225,8 @@ function least_squares.solve(problem)
       fine, reason = renew(state, problem)
       if not fine then return nil, reason end
     end
-    if last and (exact or is_least(state, free_of(state, problem), problem)) then state.ended = "converged"
+    if last and (exact or is_least(state, free_of(state, problem), problem)) then
+      state.ended = is_stuck(state, free_of(state, problem), problem) and least_squares.stuck or "converged"
     elseif state.iterations >= problem.most then state.ended = ("at most %d iterations"):format(problem.most) end
   until state.ended
   return state

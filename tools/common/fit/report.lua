@@ -1,9 +1,11 @@
--- What a fit has found: words on standard output, fit.json, fit.csv (data, fit and residuals), and a diagram of each measure.
+-- What a fit has found: words on standard output, fit.json, fit.csv (data, fit and residuals), and diagrams: of each measure,
+-- of the residuals and of the confidence in each two parameters, whose names have a dot, as no measure's has.
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local description = require("common.run.description")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
+local least_squares = require("common.fit.least_squares")
 local plot = require("common.run.plot")
 local statistics = require("common.fit.statistics")
 
@@ -88,7 +90,10 @@ end
 -- Sentences on what is not as it should be, the first that make the answer unsure; and how many of these there are.
 local function doubts(o, best)
   local list = {}
-  if best.ended ~= "converged" then list[1] = "ended after " .. best.ended .. ", before a minimum: --most more" end
+  if best.ended == least_squares.stuck then
+    list[1] = "no step makes the squares smaller, and by the derivatives some should: the measures have a kink or jump at these values "
+      .. "(other particles, a contact, a slack rope), or their errors jump (steps that the method chooses): look at both sides with hooke sweep"
+  elseif best.ended ~= "converged" then list[1] = "ended after " .. best.ended .. ", before a minimum: --most more" end
   if best.unrefined then list[#list + 1] = "the part of the steps is not known: " .. best.unrefined end
   for _, direction in ipairs(best.blind) do list[#list + 1] = blind_words(o, direction) end
   if best.run.verdict ~= "ok" then
@@ -217,7 +222,7 @@ local function draw_residuals(o, best)
     if not by_name[x.name] then curves[#curves + 1], by_name[x.name] = curve, curve end
     curve.points[#curve.points + 1] = { x.t, best.r[k] }
   end
-  return plot.draw(o.out .. "/residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")), x = { label = "t, s" },
+  return plot.draw(o.out .. "/fit.residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")), x = { label = "t, s" },
     y = { label = o.weighted and "(fit - data)/deviation" or "fit - data, in the unit of the measure" }, curves = curves })
 end
 
@@ -256,7 +261,7 @@ local function draw_confidence(o, best)
           local limit = limit_of(probability, not o.weighted and #best.r - #best.p)
           curves[1 + k] = { title = ("%.0f %%"):format(100 * probability), points = ellipse(best, i, j, limit), marks = false }
         end
-        drawn[#drawn + 1] = ("confidence-%s-%s"):format(o.names[i], o.names[j])
+        drawn[#drawn + 1] = ("fit.confidence-%s-%s"):format(o.names[i], o.names[j])
         fine, why = plot.draw(o.out .. "/" .. drawn[#drawn], { title = ("%s: confidence, linear, correlation %.4f"):format(
           o.scene:match("([^/]+)$"), c), x = axis_of(o, i), y = axis_of(o, j), curves = curves })
       end
@@ -277,8 +282,8 @@ local function draw_all(o, best)
   local fine, why = draw_residuals(o, best)
   if fine then fine, why, pairs_drawn = draw_confidence(o, best) end
   if not fine then return nil, why end
-  return (" and a diagram of each measure, of the residuals%s"):format(
-    #pairs_drawn > 0 and " and of the confidence in each two parameters" or "")
+  return " and a diagram of each measure" ..
+    (#pairs_drawn > 0 and ", of the residuals and of the confidence in each two parameters" or " and of the residuals")
 end
 
 -- Prints and writes everything; or nil and why not.

@@ -109,7 +109,7 @@ end
 -- Factors the matrix. Where it is not positive along the equations the squares of the mixed goals are added, which change nothing
 -- where the goals are met, and make it positive where it is along them; where that does not help, the equations' curvature is left out,
 -- as Gauss and Newton do: the effort alone is convex. (A multiple of 1 in its place, Waechter's and Biegler's correction of inertia, holds
--- states back that must go far: Luxo's lamp does not jump with it, and cart and pole take 28 iterations for 23.) False: never.
+-- states back that must go far: Luxo's lamp does not jump with it, and cart and pole took 28 iterations for 23.) False: never.
 local function factor(state, A)
   state.mix = {}
   if state.horizon:factor(0) then return true end

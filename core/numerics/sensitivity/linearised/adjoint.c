@@ -160,7 +160,7 @@ static hk_status compare(hk_sensitivity *s, const hk_linear_point *p, const form
   hk_status status = multiply(s, p, f, left_out, false, taken);
   if (status == HK_OK) status = multiply(s, p, f, left_out, true, exact);
   for (size_t e = 0; e < 3 * s->n && status == HK_OK; e++) {
-    off = fmax(off, fabs(taken[e] - exact[e]));
+    off = isfinite(taken[e] - exact[e]) ? fmax(off, fabs(taken[e] - exact[e])) : INFINITY;
     size = fmax(size, fabs(exact[e]));
   }
   *equal = off <= 1e-12 * size;

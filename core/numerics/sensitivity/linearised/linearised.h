@@ -1,6 +1,6 @@
-/* Linear steps (core/plugin/facets/stages.h, `linear`): one system in place of a step's equation, A dv = M r with r =
- * v*
- * - v + g a and A = M + g D + g^2 K at the point x^ = x* + g v, v. Their derivative has that of A beside that of r,
+/* Linear steps (core/plugin/facets/stages.h, `linear`): one system in place of a step's equation,
+ *     A dv = M r,    r = v* - v + g a,    A = M + g D + g^2 K,
+ * at the point x^ = x* + g v, v. Their derivative has that of A beside that of r,
  *     A d(dv) = M dr + dM r - dA dv,
  * where dA dv is the central difference of products along the change of the point and of the positions from which the
  * tensions in K are foretold, or between two scenes. Backwards, with A^T y = the adjoint of dv, y.dA dv is the gradient
