@@ -1,7 +1,8 @@
 -- hooke gradient against closed forms, by every method that is differentiated and in both directions: scenes of one or two
 -- particles whose derivatives are known; and against whole runs, of every kind of number that the forces of sheets, solids
 -- and rods are made from, also those that change a shape at rest.
-if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end -- the derivatives are the same there, and gradient.lua runs the same code
+-- Under sanitizers the derivatives are the same there, and gradient.lua runs the same code.
+if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
 local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "gradient")
 local write, read, gradient, refused = runs.write, runs.read, runs.run, runs.refused

@@ -1,6 +1,7 @@
 -- The handbook is built whole: its lessons run and say what their texts say, every link and picture leads somewhere, its
 -- annotations are Lua, troff takes its manual page.
-if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end -- what its lessons say is the same there, and tests of the tools run the same code
+-- Under sanitizers what its lessons say is the same there, and tests of the tools run the same code.
+if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
 
 local function output_of(format, ...)

@@ -1,7 +1,8 @@
 -- What lies in the working folder, beside the scene or in folders that the environment names is no code of a tool's: every
 -- command (the list is tools/*.lua) runs where a Lua file and a shared object of each module's name, programs, settings of
 -- gnuplot and a three.js are planted, and none of them is loaded.
-if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end -- what is loaded is the same there
+-- Under sanitizers what is loaded is the same there.
+if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
 local files = require("files")

@@ -1,6 +1,7 @@
 -- Optima of motions that turn over, which are known by multipliers: a pendulum swung up, by shooting with Pontryagin's
 -- equations here, and the cart-pole of Kelly, SIAM Review 59, 2017, whose cost is known to nine digits.
-if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end -- the optima are the same there, and optimise.lua runs the same code
+-- Under sanitizers the optima are the same there, and optimise.lua runs the same code.
+if assert(os.getenv("HK_BUILD"), "HK_BUILD"):find("sanitize") then os.exit(77) end
 package.path = assert(os.getenv("HK_ROOT"), "HK_ROOT") .. "/tests/support/?.lua;" .. package.path
 local runs = require("tool_runs").new(assert(os.getenv("HK_BUILD"), "HK_BUILD"), "optimise", "--quiet")
 

@@ -91,8 +91,9 @@ end
 local function doubts(o, best)
   local list = {}
   if best.ended == least_squares.stuck then
-    list[1] = "no step makes the squares smaller, and by the derivatives some should: the measures have a kink or jump at these values "
-      .. "(other particles, a contact, a slack rope), or their errors jump (steps that the method chooses): look at both sides with hooke sweep"
+    list[1] = "no step makes the squares smaller, and by the derivatives some should: the measures have a kink or jump at these "
+      .. "values (other particles, a contact, a slack rope), or their errors jump (steps that the method chooses): look at both sides "
+      .. "with hooke sweep"
   elseif best.ended ~= "converged" then list[1] = "ended after " .. best.ended .. ", before a minimum: --most more" end
   if best.unrefined then list[#list + 1] = "the part of the steps is not known: " .. best.unrefined end
   for _, direction in ipairs(best.blind) do list[#list + 1] = blind_words(o, direction) end
