@@ -39,7 +39,7 @@ local function parser()
   p:option("--out", "where the results go (out/fit/SCENE)")
   p:flag("--trust", "the scene may use plugins beside it")
   p:flag("--json", "the result as JSON on standard output")
-  p:flag("--no-diagrams", "numbers alone, which of a small scene take less time than their diagrams"):target("no_diagrams")
+  p:flag("--no-diagrams", "numbers alone, without the page and its diagrams, which take more time than a small scene"):target("no_diagrams")
   p:flag("--quiet", "no progress")
   return p
 end

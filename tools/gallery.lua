@@ -5,6 +5,7 @@
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")
+local escape = require("common.run.html").escape
 local lfs = require("lfs")
 
 local function fail(text, code)
@@ -148,8 +149,6 @@ local function animate(folder, film, fps, path)
   return ffmpeg(("-framerate %g -i %s -filter_complex %s -loop 0 %s"):format(fps, shell(folder .. "/%06d.png"),
     shell(filter), shell(path)))
 end
-
-local function escape(text) return (text:gsub("[&<>\"]", { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" })) end
 
 local function page(shown)
   local parts = { "<!DOCTYPE html><meta charset=\"utf-8\"><title>hooke: gallery</title>\n<style>body{font-family:sans-serif;"

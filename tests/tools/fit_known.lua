@@ -101,6 +101,23 @@ code, text = fit("said.lua --json")
 assert(code == 0, text)
 near("answer", json.decode(text:match("{.*}")).answer, posterior(4.2, 0.3).g, 1e-7)
 
+-- ---- the page: one file, without scripts and addresses elsewhere, with all that is said and drawn ----
+
+write("a<b.lua", read("throw.lua"))
+code, text = fit("'a<b.lua' --data data.csv --by v,g")
+assert(code == 0, text)
+local page = read("out/fit/a<b/page.html")
+assert(page:find("^<!DOCTYPE html>") and page:find("</html>\n$"))
+assert(page:find("a&lt;b.lua", 1, true) and not page:find("a<b", 1, true), "a scene's name is text")
+assert(not page:find("<script", 1, true) and not page:find("://", 1, true), "it needs nothing else")
+local figures = select(2, page:gsub('<img src="data:image/svg%+xml,%%3C%%3Fxml', ""))
+assert(figures == 3, figures .. " diagrams in place of that of x, of the residuals and of v and g")
+for _, words in ipairs { "<td>v</td>", "<td>g</td>", "residuals: rms", "Nothing was found" } do assert(page:find(words, 1, true), words) end
+os.remove("out/fit/a<b/page.html")
+code, text = fit("'a<b.lua' --data data.csv --by v,g --no-diagrams")
+assert(code == 0 and not text:find("page.html", 1, true), text)
+assert(not io.open("out/fit/a<b/page.html"), "without diagrams there is no page")
+
 -- ---- a jump: with a little less than one particle more the measure is another one ----
 
 code, text = fit("throw.lua --data plain.csv --by n=2")

@@ -48,6 +48,7 @@ check(text, 1, { "k", "m", "start", "speed" })
 assert(derivative(text, "factor") == 0, text)
 assert(text:find("leapfrog, 1500 steps of 0.001 s, forwards", 1, true), text)
 assert(read("out/gradient/swing/gradient.json"):find('"sure":true', 1, true))
+assert(read("out/gradient/swing/page.html"):find('<img src="data:image/svg', 1, true), "the page has its diagram")
 assert(read("out/gradient/swing/gradient.csv"):find("^t,x,by_k,by_m,by_start,by_speed,by_factor\n0,0.1"))
 assert(select(2, read("out/gradient/swing/gradient.csv"):gsub("\n", "\n")) == 32) -- a frame at every 0.05 s
 

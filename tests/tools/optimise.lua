@@ -35,6 +35,8 @@ return scene
 -- Rest to rest by d in T: 12 m^2 d^2/T^3 by a force that is linear in time, as the controls are (Witkin and Kass 1988).
 local cost, iterations, text = optimum("push.lua --goal x=1,v=0")
 assert(math.abs(cost - 6) < 1e-11 and iterations == 1, text)
+local page = read("out/optimise/push/page.html")
+assert(page:find('<img src="data:image/svg', 1, true) and page:find("optimum 1", 1, true), "the page has the controls and the goals")
 local described = read("out/optimise/push/optimum.json")
 for _, part in ipairs { '"sure":true', '"doubts":[]', '"answer":null', '"levels":[]', '"error_by_knots":null' } do
   assert(described:find(part, 1, true), described)

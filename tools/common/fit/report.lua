@@ -1,5 +1,6 @@
--- What a fit has found: words on standard output, fit.json, fit.csv (data, fit and residuals), and diagrams: of each measure,
--- of the residuals and of the confidence in each two parameters, whose names have a dot, as no measure's has.
+-- What a fit has found: words on standard output, fit.json, fit.csv (data, fit and residuals), and a page with diagrams: of
+-- each measure, of the residuals and of the confidence in each two parameters, whose names have a dot, as no measure's has.
+local answer_page = require("common.run.answer_page")
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local description = require("common.run.description")
@@ -144,25 +145,38 @@ local function largest(r, count)
   return most
 end
 
+-- A row for each parameter, below the heads of the columns.
+local function rows_of(o, best)
+  local rows = { { "parameter", "value", "deviation", "by the steps" } }
+  for j, name in ipairs(o.names) do
+    rows[1 + j] = { name, ("%.9g"):format(best.p[j]), number(best.sd[j]), best.by_steps and number(best.by_steps[j]) or "not known",
+      o.parameters[j].help or "" }
+  end
+  return rows
+end
+
+-- What is said below the parameters.
+local function further(o, minima)
+  local best, squares = minima[1], 0
+  for k in ipairs(o.observations) do squares = squares + best.r[k] ^ 2 end
+  local list = { ("residuals: rms %.4g%s, largest %.4g"):format(math.sqrt(squares / #o.observations),
+    o.weighted and " of their deviations" or "", largest(best.r, #o.observations)) }
+  local correlated = correlations(o, best)
+  if #correlated > 0 then list[2] = "correlated: " .. table.concat(correlated, "; ") end
+  for k = 1, #minima > 1 and #minima or 0 do
+    list[#list + 1] = ("minimum %d: %s, sum of squares %.6g, from %d start%s"):format(k, report.values(o, minima[k].p), minima[k].cost,
+      minima[k].starts, minima[k].starts > 1 and "s" or "")
+  end
+  return list
+end
+
 local function print_words(o, minima)
   local best = minima[1]
   print(head(o, best))
-  print(("  %-16s %16s %12s %14s"):format("parameter", "value", "deviation", "by the steps"))
-  for j, name in ipairs(o.names) do
-    print(("  %-16s %16.9g %12s %14s  %s"):format(name, best.p[j], number(best.sd[j]),
-      best.by_steps and number(best.by_steps[j]) or "not known", o.parameters[j].help or ""))
+  for _, row in ipairs(rows_of(o, best)) do
+    print(("  %-16s %16s %12s %14s%s"):format(row[1], row[2], row[3], row[4], row[5] and "  " .. row[5] or ""))
   end
-  local squares = 0
-  for k in ipairs(o.observations) do squares = squares + best.r[k] ^ 2 end
-  local rms = math.sqrt(squares / #o.observations)
-  print(("  residuals: rms %.4g%s, largest %.4g"):format(rms, o.weighted and " of their deviations" or "",
-    largest(best.r, #o.observations)))
-  local correlated = correlations(o, best)
-  if #correlated > 0 then print("  correlated: " .. table.concat(correlated, "; ")) end
-  for k = 1, #minima > 1 and #minima or 0 do
-    print(("  minimum %d: %s, sum of squares %.6g, from %d start%s"):format(k, report.values(o, minima[k].p), minima[k].cost,
-      minima[k].starts, minima[k].starts > 1 and "s" or ""))
-  end
+  for _, text in ipairs(further(o, minima)) do print("  " .. text) end
   for _, sentence in ipairs(best.doubts) do print("  " .. hooke.plain(sentence)) end
 end
 
@@ -211,8 +225,8 @@ local function draw(o, best, name, path)
   end
   return plot.draw(path, { title = ("%s: %s"):format(o.scene:match("([^/]+)$"), report.values(o, best.p)),
     x = { label = "t, s" }, y = { label = name }, curves = {
-      { title = "data", points = measured, marks = true },
-      { title = "fit", points = fitted, lines = true } } })
+      { title = "data", points = measured, lines = false },
+      { title = "fit", points = fitted, marks = false } } })
 end
 
 -- All residuals in time, by their deviations where these are given.
@@ -251,40 +265,55 @@ local function axis_of(o, j)
 end
 
 -- Where two parameters lie together with a probability of 68 and of 95 %, for each pair whose deviations are known.
-local function draw_confidence(o, best)
-  local fine, why, drawn = true, nil, {}
+local function draw_confidence(o, best, figures)
   for j = 2, #best.p do
     for i = 1, j - 1 do
       local c = best.correlation[i][j]
-      if fine and c == c and math.abs(c) <= 1 and best.sd[i] > 0 and best.sd[j] > 0 then
+      if c == c and math.abs(c) <= 1 and best.sd[i] > 0 and best.sd[j] > 0 then
         local curves = { { title = "best", points = { { best.p[i], best.p[j] } }, lines = false } }
         for k, probability in ipairs { 0.68, 0.95 } do
           local limit = limit_of(probability, not o.weighted and #best.r - #best.p)
           curves[1 + k] = { title = ("%.0f %%"):format(100 * probability), points = ellipse(best, i, j, limit), marks = false }
         end
-        drawn[#drawn + 1] = ("fit.confidence-%s-%s"):format(o.names[i], o.names[j])
-        fine, why = plot.draw(o.out .. "/" .. drawn[#drawn], { title = ("%s: confidence, linear, correlation %.4f"):format(
-          o.scene:match("([^/]+)$"), c), x = axis_of(o, i), y = axis_of(o, j), curves = curves })
+        local path = ("%s/fit.confidence-%s-%s"):format(o.out, o.names[i], o.names[j])
+        local fine, why = plot.draw(path, { title = ("%s: confidence, linear, correlation %.4f"):format(o.scene:match("([^/]+)$"), c),
+          x = axis_of(o, i), y = axis_of(o, j), curves = curves })
+        if not fine then return nil, why end
+        local words = "where %s and %s lie together with a probability of 68 and of 95 %%, linearly"
+        figures[#figures + 1] = { path = path, caption = words:format(o.names[i], o.names[j]) }
       end
     end
   end
-  return fine, why, drawn
+  return true
 end
 
--- A diagram of each measure, of the residuals, and of the confidence in each two parameters: what there is, in words; or nil and why not.
+-- A diagram of each measure, of the residuals, and of the confidence in each two parameters, as answer_page has them; or nil and why not.
 local function draw_all(o, best)
-  local drawn, pairs_drawn = {}, nil
+  local figures, drawn = {}, {}
   for _, x in ipairs(o.observations) do
-    local fine, why = true, nil
-    if not drawn[x.name] then fine, why = draw(o, best, x.name, ("%s/%s"):format(o.out, x.name:gsub("[^%w_%-]", "_"))) end
-    if not fine then return nil, why end
-    drawn[x.name] = true
+    if not drawn[x.name] then
+      local path = ("%s/%s"):format(o.out, x.name:gsub("[^%w_%-]", "_"))
+      local fine, why = draw(o, best, x.name, path)
+      if not fine then return nil, why end
+      drawn[x.name], figures[#figures + 1] = true, { path = path, caption = x.name .. ": data and fit" }
+    end
   end
   local fine, why = draw_residuals(o, best)
-  if fine then fine, why, pairs_drawn = draw_confidence(o, best) end
   if not fine then return nil, why end
-  return " and a diagram of each measure" ..
-    (#pairs_drawn > 0 and ", of the residuals and of the confidence in each two parameters" or " and of the residuals")
+  figures[#figures + 1] = { path = o.out .. "/fit.residuals", caption = "residuals" }
+  fine, why = draw_confidence(o, best, figures)
+  if not fine then return nil, why end
+  return figures
+end
+
+-- The diagrams and the page with them.
+local function write_page(o, minima)
+  local figures, why = draw_all(o, minima[1])
+  if not figures then return nil, why end
+  local doubts_of, lines = {}, further(o, minima)
+  for k, text in ipairs(minima[1].doubts) do doubts_of[k] = hooke.plain(text) end
+  return answer_page.write(o.out .. "/page.html", { title = ("%s: %s"):format(o.scene:match("([^/]+)$"), report.values(o, minima[1].p)),
+    head = head(o, minima[1]), doubts = doubts_of, tables = { { rows = rows_of(o, minima[1]) } }, lines = lines, figures = figures })
 end
 
 -- Prints and writes everything; or nil and why not.
@@ -294,15 +323,12 @@ function report.write(o, minima)
   o.answer, o.unanswered = description.answer("fit", o, json_text(o, minima), "minima")
   local fine, why = files.write(o.out .. "/fit.json", json_text(o, minima) .. "\n")
   if fine then fine, why = files.write(o.out .. "/fit.csv", csv_text(o, best)) end
-  local drawn = ""
-  if fine and not o.no_diagrams then
-    drawn, why = draw_all(o, best)
-    fine = drawn ~= nil
-  end
+  if fine and not o.no_diagrams then fine, why = write_page(o, minima) end
   if o.json then command_line.print_json(json_text(o, minima)) else
     print_words(o, minima)
     if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
-    print(("wrote %s/fit.json, fit.csv%s"):format(o.out, drawn or ""))
+    print(("wrote %s/fit.json, fit.csv%s"):format(o.out, o.no_diagrams and "" or ", page.html and its diagrams: of each measure, of the "
+      .. "residuals and of the confidence in each two parameters"))
   end
   return fine and not o.unanswered, why or o.unanswered
 end

@@ -1,5 +1,6 @@
 -- What `hooke gradient` has found: words on standard output, gradient.json, and where it went forwards gradient.csv and a
 -- diagram of the sensitivity in time.
+local answer_page = require("common.run.answer_page")
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local files = require("common.run.file")
@@ -79,19 +80,37 @@ function report.doubts(o, found)
   return list
 end
 
-local function print_words(o, found)
-  print(("%s: %s at t = %.9g s (%s, %d steps of %s%.4g s, %s, states of %.2g MB)"):format(o.scene:match("([^/]+)$"), o.of, o.at,
-    o.plugin, found.steps, found.tol and "at most " or "", found.dt, o.backwards and "backwards" or "forwards", found.bytes / 1e6))
-  print(("  %s = %.12g"):format(o.of, found.value))
-  print(("  %-16s %14s %20s %12s %12s"):format("parameter", "value", "derivative", "by steps", "by rounding"))
+local function head(o, found)
+  return ("%s: %s at t = %.9g s (%s, %d steps of %s%.4g s, %s, states of %.2g MB)"):format(o.scene:match("([^/]+)$"), o.of, o.at,
+    o.plugin, found.steps, found.tol and "at most " or "", found.dt, o.backwards and "backwards" or "forwards", found.bytes / 1e6)
+end
+
+-- A row for each parameter, below the heads of the columns.
+local function rows_of(o, found)
+  local rows = { { "parameter", "value", "derivative", "by steps", "by rounding" } }
   for j, p in ipairs(o.parameters) do
-    print(("  %-16s %14s %20.12g %12s %12s  %s"):format(p.name, p.start and ("%.9g"):format(p.start) or ("%d knots"):format(#p.values),
-      found.slopes[j], short(found.by_steps[j]), short(found.rounding[j]), p.help or "all of it by as much"))
+    rows[1 + j] = { p.name, p.start and ("%.9g"):format(p.start) or ("%d knots"):format(#p.values), ("%.12g"):format(found.slopes[j]),
+      short(found.by_steps[j]), short(found.rounding[j]), p.help or "all of it by as much" }
   end
+  return rows
+end
+
+-- What is said below the parameters.
+local function further(found)
+  local list = {}
   if found.inexact then
-    print(("  the force '%s' states no exact Jacobian: differences along the change take its place"):format(found.inexact))
+    list[1] = ("the force '%s' states no exact Jacobian: differences along the change take its place"):format(found.inexact)
   end
-  for _, text in ipairs(found.remarks) do print("  " .. text) end
+  return table.move(found.remarks, 1, #found.remarks, #list + 1, list)
+end
+
+local function print_words(o, found)
+  print(head(o, found))
+  print(("  %s = %.12g"):format(o.of, found.value))
+  for _, row in ipairs(rows_of(o, found)) do
+    print(("  %-16s %14s %20s %12s %12s%s"):format(row[1], row[2], row[3], row[4], row[5], row[6] and "  " .. row[6] or ""))
+  end
+  for _, text in ipairs(further(found)) do print("  " .. text) end
   for _, text in ipairs(found.doubts) do print("  not sure: " .. text) end
 end
 
@@ -119,9 +138,9 @@ local function json_text(o, found)
 end
 
 local function csv_text(o, found)
-  local head = { "t", csv.text(o.of) }
-  for j, p in ipairs(o.parameters) do head[2 + j] = "by_" .. p.name end
-  local lines = { table.concat(head, ",") }
+  local names = { "t", csv.text(o.of) }
+  for j, p in ipairs(o.parameters) do names[2 + j] = "by_" .. p.name end
+  local lines = { table.concat(names, ",") }
   for k, row in ipairs(found.rows) do
     local cells = {}
     for e, x in ipairs(row) do cells[e] = csv.cell(x) end
@@ -153,16 +172,30 @@ local function draw(o, found)
     x = { label = "t, s" }, y = { label = ("d(%s)/d(ln parameter)"):format(o.of) }, curves = curves })
 end
 
+-- The diagram and the page with it.
+local function write_page(o, found)
+  local fine, why, caption = true, nil, "in time: d(" .. o.of .. ")/d(ln parameter)"
+  if found.rows then fine, why = draw(o, found)
+  elseif o.by_controls then
+    fine, why = draw_knots(o, found)
+    caption = "by the values of the controls at their knots"
+  end
+  if not fine then return nil, why end
+  local figures = (found.rows or o.by_controls) and { { path = o.out .. "/gradient", caption = caption } } or {}
+  return answer_page.write(o.out .. "/page.html", { title = ("%s: %s = %.9g"):format(o.scene:match("([^/]+)$"), o.of, found.value),
+    head = head(o, found), doubts = found.doubts, tables = { { rows = rows_of(o, found) } }, lines = further(found),
+    figures = figures })
+end
+
 -- Prints and writes everything; or nil and why not.
 function report.write(o, found)
   local fine, why = files.write(o.out .. "/gradient.json", json_text(o, found) .. "\n")
   if fine and found.rows then fine, why = files.write(o.out .. "/gradient.csv", csv_text(o, found)) end
-  if fine and found.rows then fine, why = draw(o, found) end
-  if fine and o.by_controls then fine, why = draw_knots(o, found) end
+  if fine then fine, why = write_page(o, found) end
   if o.json then command_line.print_json(json_text(o, found)) else
     print_words(o, found)
-    print(("wrote %s/gradient.json%s"):format(o.out, found.rows and ", gradient.csv and a diagram in time"
-      or o.by_controls and " and a diagram of the knots" or ""))
+    print(("wrote %s/gradient.json%s"):format(o.out, found.rows and ", gradient.csv, page.html and its diagram in time"
+      or o.by_controls and ", page.html and its diagram of the knots" or " and page.html"))
   end
   return fine, why
 end

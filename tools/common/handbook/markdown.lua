@@ -2,7 +2,7 @@
 -- word behind its fence ("```run") is given to the function of that name.
 local markdown = {}
 
-function markdown.escape(text) return (text:gsub("[&<>\"]", { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ["\""] = "&quot;" })) end
+markdown.escape = require("common.run.html").escape
 
 -- What stands in a line; code goes first, and nothing in it is changed.
 local function inline(text)

@@ -1,5 +1,6 @@
--- What `hooke optimise` has found: words on standard output, optimum.json, and for every optimum the controls as a table, as
--- texts to run the scene with, and in a diagram.
+-- What `hooke optimise` has found: words on standard output, optimum.json, and for every optimum the controls as a table and
+-- as texts to run the scene with; and a page with a diagram of them.
+local answer_page = require("common.run.answer_page")
 local command_line = require("common.run.command_line")
 local csv = require("common.run.csv")
 local derivative = require("common.gradient.derivative")
@@ -49,20 +50,34 @@ local function error_by_knots(optimum)
   return math.abs(levels[#levels].cost - levels[#levels - 1].cost) / 3
 end
 
-local function print_levels(optimum)
-  for _, level in ipairs(optimum.levels or {}) do print(("    %d knots: %.12g"):format(level.knots, level.cost)) end
+local function levels_of(optimum)
+  local list = {}
+  for k, level in ipairs(optimum.levels or {}) do list[k] = ("%d knots: %.12g"):format(level.knots, level.cost) end
   local off = error_by_knots(optimum)
-  if off then print(("    its error by the knots is %.2g at most"):format(off)) end
+  if off then list[#list + 1] = ("its error by the knots is %.2g at most"):format(off) end
+  return list
+end
+
+local function title_of(o, k, optimum)
+  return ("optimum %d: %.12g after %d iterations, from %d of %d starts"):format(k, optimum.cost, optimum.iterations,
+    optimum.starts, o.starts + 1)
+end
+
+-- A row for each goal: what is asked, what is missing of it, and what by the independent method.
+local function goals_of(o, optimum)
+  local rows = {}
+  for g, goal in ipairs(o.goals) do
+    rows[g] = { goal.name, goal.value and ("%.9g"):format(goal.value) or ranges.words(goal), ("%.6g"):format(goal.at),
+      ("%.2g"):format(missed(goal, optimum.misses, g)), ("%.2g"):format(missed(goal, optimum.replay.misses, g) or 0 / 0) }
+  end
+  return rows
 end
 
 local function print_optimum(o, k, optimum)
-  print(("  optimum %d: %.12g after %d iterations, from %d of %d starts"):format(k, optimum.cost, optimum.iterations,
-    optimum.starts, o.starts + 1))
-  print_levels(optimum)
-  for g, goal in ipairs(o.goals) do
-    local wanted = goal.value and ("%.9g"):format(goal.value) or ranges.words(goal)
-    print(("    %-16s %14s at %.6g s, off by %10.2g, by %s %10.2g"):format(goal.name, wanted, goal.at,
-      missed(goal, optimum.misses, g), o.independent, missed(goal, optimum.replay.misses, g) or 0 / 0))
+  print("  " .. title_of(o, k, optimum))
+  for _, text in ipairs(levels_of(optimum)) do print("    " .. text) end
+  for _, row in ipairs(goals_of(o, optimum)) do
+    print(("    %-16s %14s at %s s, off by %10s, by %s %10s"):format(row[1], row[2], row[3], row[4], o.independent, row[5]))
   end
   for _, text in ipairs(optimum.doubts) do print("    not sure: " .. text) end
 end
@@ -133,6 +148,34 @@ local function over_all(o)
   return longest > o.at * (1 + 1e-9) and (" over all of their %.9g s"):format(longest) or ""
 end
 
+local function head(o)
+  return ("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
+    and "cost" or "integral of the squares of the controls" .. over_all(o), o.at, o.plugin, o.dt)
+end
+
+-- The command that runs the scene with the controls of the first optimum.
+local function command(o, optima)
+  local first = optima[1].controls[1].name
+  return ("hooke run %s %s=\"$(cat %s/1-%s.txt)\""):format(o.scene, first, o.out, first)
+end
+
+-- The diagram and the page with it.
+local function write_page(o, optima)
+  local fine, why = draw(o, optima)
+  if not fine then return nil, why end
+  local tables, lines = {}, {}
+  for k, optimum in ipairs(optima) do
+    local rows = goals_of(o, optimum)
+    table.insert(rows, 1, { "goal", "asked", "at, s", "off by", "by " .. o.independent })
+    tables[k] = { title = title_of(o, k, optimum), rows = rows }
+    for _, text in ipairs(levels_of(optimum)) do lines[#lines + 1] = ("optimum %d: %s"):format(k, text) end
+    for _, text in ipairs(k > 1 and optimum.doubts or {}) do lines[#lines + 1] = ("optimum %d: not sure: %s"):format(k, text) end
+  end
+  lines[#lines + 1] = "run it: " .. command(o, optima)
+  return answer_page.write(o.out .. "/page.html", { title = o.scene:match("([^/]+)$"), head = head(o), doubts = optima[1].doubts,
+    tables = tables, lines = lines, figures = { { path = o.out .. "/controls", caption = "the controls" } } })
+end
+
 -- Prints and writes everything; or nil and why not.
 function report.write(o, optima)
   o.answer, o.unanswered = description.answer("optimise", o, json_text(o, optima), "optima")
@@ -144,17 +187,15 @@ function report.write(o, optima)
       if fine then fine, why = files.write(("%s/%d-%s.txt"):format(o.out, k, control.name), text) end
     end
   end
-  if fine then fine, why = draw(o, optima) end
+  if fine then fine, why = write_page(o, optima) end
   if o.json then
     command_line.print_json(json_text(o, optima))
     return fine and not o.unanswered, why or o.unanswered
   end
-  print(("%s: least %s, to t = %.9g s (%s, steps of %.4g s)"):format(o.scene:match("([^/]+)$"), o.cost
-    and "cost" or "integral of the squares of the controls" .. over_all(o), o.at, o.plugin, o.dt))
+  print(head(o))
   for k, optimum in ipairs(optima) do print_optimum(o, k, optimum) end
   if o.answer ~= nil then print(table.concat(description.lines(o.answer), "\n")) end
-  local first = optima[1].controls[1].name
-  print(("run it: hooke run %s %s=\"$(cat %s/1-%s.txt)\""):format(o.scene, first, o.out, first))
+  print("run it: " .. command(o, optima))
   return fine and not o.unanswered, why or o.unanswered
 end
 
