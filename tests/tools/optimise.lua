@@ -131,6 +131,28 @@ assert(math.abs(cost / both - 1) < 1e-10 and text:find("x%[1%] +0.25 at 1 s"), (
 -- 1.2e-3, and by what the optimum makes of that, some of its square.
 cost, text = cost_of("bounded.lua fps=50 cost=squares")
 assert(math.abs(cost - 6 - 0.02 ^ 2 / 12 * 2 * 3 ^ 2 * 2) < 3e-6, text)
+
+-- ---- a cost of the state, without goals: the linear quadratic regulator of x'' = u, by Riccati's equation backwards from 0 ----
+
+write("regulator.lua", [[
+local scene = hooke.scene { duration = 2, fps = param("fps", 100), integrator = "rk4", dt = 0.02 }
+local u = scene:control("u", { knots = 41, duration = 2 })
+local p = scene:particle { position = { 1, 0, 0 } }
+scene:force("field", { f = function(t) return u(t), 0, 0 end })
+scene:cost(function(s) return s:position(p)[1] ^ 2 + s:velocity(p)[1] ^ 2 + u(s.t) ^ 2 end)
+return scene
+]])
+local P = { 0, 0, 0 } -- the matrix { { P1, P2 }, { P2, P3 } }
+local function moved(h, r) return P[1] + h * (1 - r[2] * r[2]), P[2] + h * (r[1] - r[2] * r[3]), P[3] + h * (2 * r[2] + 1 - r[3] * r[3]) end
+for _ = 1, 20000 do P = { moved(1e-4, { moved(5e-5, P) }) } end -- the midpoint rule: to 1e-9
+cost, iterations, text = optimum("regulator.lua")
+-- The trapezium rule over frames and controls that are linear between knots cost h^2/12 of them more, about: 1e-5.
+assert(cost > P[1] and cost < P[1] + 3e-5 and iterations < 30, ("%.9g\n%s"):format(P[1], text))
+-- At frames that are farther apart than the knots the cost would be 1.01, below the least there is.
+code, text = hooke("optimise regulator.lua fps=10 --most 5")
+assert(code == 2 and text:find("the cost is taken at frames, 1/10 s apart, and the knots of u are 0.05 s apart: fps = 20 or more", 1, true),
+  text)
+
 -- The push itself has no least integral but by its bounds: what it can be with x = 1 and v = 0 is m v = 0.
 cost, text = cost_of("bounded.lua cost=none")
 assert(math.abs(cost) < 1e-6, text)

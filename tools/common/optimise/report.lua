@@ -22,13 +22,27 @@ local function missed(goal, misses, g)
   return goal.value and misses[g] or ranges.missed(goal, misses[g])
 end
 
+-- The scene's cost is a sum over frames: what a control does between two of them may cost nothing.
+local function between_frames(o)
+  for _, control in ipairs(o.controls) do
+    local apart = control.duration / (#control.values - 1)
+    if apart * o.fps < 1 - 1e-9 then
+      return ("the cost is taken at frames, 1/%g s apart, and the knots of %s are %.6g s apart: fps = %d or more, or fewer knots"):format(
+        o.fps, control.name, apart, math.ceil(1 / apart - 1e-9))
+    end
+  end
+end
+
 -- Sentences on what is not as it should be with an optimum.
 function report.doubts(o, optimum)
   local list = {}
   if optimum.ended ~= "converged" then
     list[1] = ("it ended after %s%s"):format(optimum.ended, optimum.ended:find("--most", 1, true) and ": give --most more"
+      or #o.goals == 0 and "; the cost has a kink or a jump there (particles that meet, a branch of its function)"
       or "; goals that contradict each other or are out of reach cannot be met")
   end
+  local between = o.cost and between_frames(o)
+  if between then list[#list + 1] = between end
   if optimum.unrefined then list[#list + 1] = "with more knots: " .. optimum.unrefined end
   if optimum.replay.failed then
     list[#list + 1] = ("%s does not run to the end with these controls: %s"):format(o.independent, optimum.replay.failed)

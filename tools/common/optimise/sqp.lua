@@ -102,10 +102,12 @@ local function search(state, step, penalty, problem)
   end
 end
 
--- How far from an optimum: the goals, and the Lagrangian's slope, each relative to y.
+-- How far from an optimum: the goals, relative to y, and the Lagrangian's slope, relative to the cost's. Without goals these two are
+-- the same, which has to be small beside that at the start, or to change the cost by little along all of y.
 local function is_optimal(state, step, tolerance, limits)
   local size = length(state.y)
   local slope = tolerance * (length(state.slope) + 2e-3 * state.first)
+  if #state.c == 0 then slope = tolerance * math.max(state.steep, size > 0 and math.abs(state.cost) / size or 0) end
   return missing_of(state.c, step.kept, limits) <= tolerance * math.max(size, state.first) and length(step.slope) <= slope
 end
 
@@ -174,6 +176,7 @@ local function begin(options)
   for i = 1, #state.c do
     state.negligible[i] = options.negligible and options.negligible[i] * scale[i] or 0
   end
+  state.steep = length(state.slope)
   begin_matrix(state, #state.y)
   return state, problem, scale
 end
