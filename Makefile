@@ -46,7 +46,7 @@ LINK     := -Wl,--as-needed -Wl,--gc-sections
 HARDENED := -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 ifdef SANITIZE
 # What the checks that are left out find, the sanitizer of addresses finds where such a pointer is used; they take half the time.
-FLAGS    += -O1 -fsanitize=address,undefined -fno-sanitize=null,object-size,pointer-overflow -fno-sanitize-recover=undefined \
+FLAGS    += -O1 -g1 -fsanitize=address,undefined -fno-sanitize=null,object-size,pointer-overflow -fno-sanitize-recover=undefined \
             -fno-omit-frame-pointer
 LINK     += -fsanitize=address,undefined
 else
