@@ -1,11 +1,9 @@
 /* Forces and energy of membranes. Blocks of triangles are gathered, computed in loops that compilers turn into vectors,
  * and scattered one after the other, part by part (part_sums.h). Every width of vectors does the same
  * operations, so their results are bitwise equal. */
-#include "plugins/common/membranes/membrane.h"
+#include "plugins/common/membranes/membrane_lane.h"
 
 #include "plugins/kit/vector3.h"
-
-enum { BLOCK = 64 };
 
 typedef struct block {
   double d[2][3][BLOCK], u[2][3][BLOCK]; /* sides, m, and their rates, m/s */
@@ -15,29 +13,10 @@ typedef struct block {
   double power[BLOCK];   /* W, taken by damping */
 } block;
 
-typedef struct deformation {
-  double u[3], v[3];
-} deformation;
-
-HK_MEMBRANE_INLINE deformation deform(const block *q, const double d[2][3][BLOCK], int r) {
-  deformation f;
-  for (int c = 0; c < 3; c++) {
-    f.u[c] = q->number[HK_B0][r] * d[0][c][r] + q->number[HK_B2][r] * d[1][c][r];
-    f.v[c] = q->number[HK_B1][r] * d[0][c][r] + q->number[HK_B3][r] * d[1][c][r];
-  }
-  return f;
-}
-
-HK_MEMBRANE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-HK_MEMBRANE_INLINE hk_metric metric(const deformation *f) {
-  return (hk_metric){dot(f->u, f->u), dot(f->v, f->v), dot(f->u, f->v)};
-}
-
 /* t, in place of the slope. */
 HK_MEMBRANE_INLINE void volumes(block *q) {
   for (int r = 0; r < BLOCK; r++) {
-    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    deformation f = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->d, r);
     hk_metric g = metric(&f);
     q->slope[r] = g.a * g.b - g.c * g.c;
   }
@@ -46,12 +25,12 @@ HK_MEMBRANE_INLINE void volumes(block *q) {
 HK_MEMBRANE_INLINE void compute(block *q, hk_membrane_model model, bool damped, double damping) {
   for (int r = 0; r < BLOCK; r++) {
     const hk_elasticity m = {q->number[HK_C11][r], q->number[HK_C22][r], q->number[HK_C12][r], q->number[HK_C66][r]};
-    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    deformation f = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->d, r);
     hk_metric g = metric(&f);
     hk_stress s = hk_membrane_stress(model, m, g, q->slope[r]);
     if (damped) {
-      deformation w = deform(q, (const double(*)[3][BLOCK])q->u, r);
-      hk_metric rate = {dot(f.u, w.u), dot(f.v, w.v), dot(f.u, w.v) + dot(f.v, w.u)};
+      deformation w = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->u, r);
+      hk_metric rate = rate_of(&f, &w);
       hk_stress drag = hk_membrane_drag(hk_membrane_viscosity(model, m, g, damping), rate);
       q->power[r] = drag.uu * rate.a + drag.vv * rate.b + drag.uv * rate.c;
       s.uu += drag.uu, s.vv += drag.vv, s.uv += drag.uv;

@@ -6,9 +6,7 @@
  * viscosity has the lengths beside, 1/a and 1/b. S is linear in the elasticity, and that is a function of the moduli.
  * Blocks of triangles are gathered, computed in loops that compilers turn into vectors, and scattered one after the
  * other, as in membrane_kernel.c. */
-#include "plugins/common/membranes/membrane.h"
-
-enum { BLOCK = 64 };
+#include "plugins/common/membranes/membrane_lane.h"
 
 typedef struct block {
   double d[2][3][BLOCK], w[2][3][BLOCK], v[2][3][BLOCK]; /* sides, m; differences of u; rates, m/s */
@@ -19,29 +17,6 @@ typedef struct block {
    * for the elasticity as it is; and by W', over c66. */
   double part[4][BLOCK], creep[BLOCK], by_slope[BLOCK];
 } block;
-
-typedef struct deformation {
-  double u[3], v[3];
-} deformation;
-
-HK_MEMBRANE_INLINE deformation deform(const block *q, const double d[2][3][BLOCK], int r) {
-  deformation f;
-  for (int c = 0; c < 3; c++) {
-    f.u[c] = q->number[HK_B0][r] * d[0][c][r] + q->number[HK_B2][r] * d[1][c][r];
-    f.v[c] = q->number[HK_B1][r] * d[0][c][r] + q->number[HK_B3][r] * d[1][c][r];
-  }
-  return f;
-}
-
-HK_MEMBRANE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-HK_MEMBRANE_INLINE hk_metric metric(const deformation *f) {
-  return (hk_metric){dot(f->u, f->u), dot(f->v, f->v), dot(f->u, f->v)};
-}
-
-HK_MEMBRANE_INLINE hk_metric rate_of(const deformation *f, const deformation *w) {
-  return (hk_metric){dot(f->u, w->u), dot(f->v, w->v), dot(f->u, w->v) + dot(f->v, w->u)};
-}
 
 /* dS(U): the metric changes by 2 e.a, 2 e.b and e.c; il and jl: 1/|f_u|, 1/|f_v|. */
 HK_MEMBRANE_INLINE hk_stress change_of(hk_membrane_model model, hk_elasticity m, hk_metric g, hk_metric e, double il,
@@ -92,7 +67,8 @@ HK_MEMBRANE_INLINE void set_parts(block *q, hk_membrane_model model, hk_elastici
 HK_MEMBRANE_INLINE void compute(block *q, hk_membrane_model model, bool rates, double damping) {
   for (int r = 0; r < BLOCK; r++) {
     const hk_elasticity m = {q->number[HK_C11][r], q->number[HK_C22][r], q->number[HK_C12][r], q->number[HK_C66][r]};
-    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r), U = deform(q, (const double(*)[3][BLOCK])q->w, r);
+    deformation f = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->d, r),
+                U = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->w, r);
     deformation T = {{0, 0, 0}, {0, 0, 0}};
     hk_metric g = metric(&f), e = rate_of(&f, &U);
     double il = model == HK_BARAFF_WITKIN ? hk_inverse_length(g.a) : 1,
@@ -100,7 +76,8 @@ HK_MEMBRANE_INLINE void compute(block *q, hk_membrane_model model, bool rates, d
     add_stress(change_of(model, m, g, e, il, jl, q->first[r], q->second[r]), &f, &T);
     hk_stress S = hk_membrane_stress(model, m, g, q->first[r]);
     if (rates) {
-      deformation R = deform(q, (const double(*)[3][BLOCK])q->v, r), V = {{0, 0, 0}, {0, 0, 0}};
+      deformation R = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->v, r),
+                  V = {{0, 0, 0}, {0, 0, 0}};
       hk_metric rate = rate_of(&f, &R);
       hk_elasticity viscosity = hk_membrane_viscosity(model, m, g, damping);
       hk_stress drag = hk_membrane_drag(viscosity, rate), other = hk_membrane_drag(viscosity, e);
@@ -132,7 +109,7 @@ HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, bool ra
 /* t, in the place of W'. */
 HK_MEMBRANE_INLINE void volumes(block *q) {
   for (int r = 0; r < BLOCK; r++) {
-    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    deformation f = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->d, r);
     hk_metric g = metric(&f);
     q->first[r] = g.a * g.b - g.c * g.c;
   }
