@@ -4,6 +4,8 @@
 local database = {}
 database.__index = database
 
+local patience = 60 -- seconds that a process waits for others that write
+
 -- Errors of files: a text with the exit code of hooke for them. That SQLite has no memory is not the file's fault.
 local failure = { __tostring = function(e) return e.text end }
 
@@ -42,14 +44,26 @@ function database.tuple(n, ...)
   return "(" .. table.concat(list, ",") .. ")"
 end
 
+-- Changes the file's journal. Of two processes that do so at the same time SQLite refuses one at once, without the wait of
+-- busy_timeout, as each holds the lock that the other one waits for. It waits for a transaction, then, and asks again.
+local function change_journal(db, journal)
+  local last = os.time() + patience
+  while true do
+    local fine, message = pcall(db.execute, db, "PRAGMA journal_mode = " .. journal)
+    if fine then return end
+    if not message.text:find("locked") or os.time() > last then error(message, 0) end
+    db:transaction(function() end)
+  end
+end
+
 -- journal: "wal" (the default: readers do not wait, a commit costs no fsync) or "delete", for network file systems,
 -- where a write-ahead log does not work.
 function database.open(path, journal)
   local connection, message = sqlite():connect(path)
   if not connection then database.fail("cannot open the database %s: %s", path, message) end
   local db = setmetatable({ connection = connection, path = path }, database)
-  db:execute("PRAGMA busy_timeout = 60000")
-  db:execute("PRAGMA journal_mode = " .. (journal or "wal"))
+  db:execute("PRAGMA busy_timeout = " .. patience * 1000)
+  change_journal(db, journal or "wal")
   db:execute("PRAGMA synchronous = NORMAL") -- with the log, only a crash of the whole machine may lose the last rows
   return db
 end
