@@ -15,7 +15,7 @@
 #include "plugins/common/liquid/liquid_pace.h"
 #include "plugins/common/liquid/liquid_start.h"
 #include "plugins/common/liquid/tension.h"
-#include "plugins/common/liquid_viscosity/liquid_viscosity.h"
+#include "plugins/common/liquid_viscosity/viscous_flow.h"
 #include "plugins/common/mac_grid/carried.h"
 #include "plugins/common/mac_grid/cell_viscosity.h"
 
@@ -287,8 +287,7 @@ static hk_status flow(liquid *s, const hk_view *view, double h, const hk_liquid_
   if (status == HK_OK) status = hk_liquid_project(m, s->guess.item);
   const hk_cell_particles by_cell = {m->start, m->sorted, s->index};
   if (s->viscosities) hk_cell_viscosity(&m->grid, s->host, &by_cell, *s->viscosities, s->viscous.cell);
-  if (status == HK_OK && is_viscous(s)) status = hk_liquid_shear(m, &s->viscous, h);
-  if (status == HK_OK && is_viscous(s)) status = hk_liquid_project(m, s->second.item);
+  if (status == HK_OK && is_viscous(s)) status = hk_viscous_flow(m, &s->viscous, h, s->second.item);
   if (status == HK_OK && is_viscous(s) && s->heats) status = hk_liquid_dissipation(m, &s->viscous, p, s->dissipation);
   if (status == HK_OK && s->even) status = hk_liquid_even(m, part);
   if (status == HK_OK) hk_liquid_extend(m, (int)ceil(s->courant) + 2);

@@ -17,6 +17,8 @@
 
 #include <string.h>
 
+static const double a_rest =
+    1e-6; /* of a step: a shorter one is what rounding leaves to a frame, and limits no others */
 static const double most_growth = 2;   /* of a step: rates that hold for twice their time are stable still */
 static const double most_drift = 1e-9; /* of the enthalpy, in a run that is ok: it is kept to rounding */
 
@@ -30,6 +32,7 @@ typedef struct grid_conduction {
   size_t count;
   double *temperature, *molten; /* n, K and part */
   double *rate, *given;         /* n, J/(kg s), of this step */
+  double *over;                 /* n, J/kg, of hk_grid_heat_step */
   double last, behind;          /* s: the step before; by how much time heat is behind the rest */
   double found;                 /* s, for when `rate` was found; NAN: it was not */
   double start; /* J, what nothing from outside gave, when the run began or particles last came or went */
@@ -67,6 +70,7 @@ static const hk_field fields[] = {
     {"molten", .per_particle = HK_AT(grid_conduction, molten), .width = 1, .flags = HK_PUBLISHED},
     {"rate", .per_particle = HK_AT(grid_conduction, rate), .width = 1},
     {"given", .per_particle = HK_AT(grid_conduction, given), .width = 1},
+    {"over", .per_particle = HK_AT(grid_conduction, over), .width = 1},
     {"last", .number = HK_AT(grid_conduction, last)},
     {"behind", .number = HK_AT(grid_conduction, behind)},
     {"start", .number = HK_AT(grid_conduction, start)},
@@ -125,7 +129,7 @@ static hk_status find_rates(grid_conduction *s, const hk_view *view) {
   memset(s->given, 0, view->n * sizeof *s->given);
   if (!(s->last > 0)) return HK_OK;
   hk_status status = hk_grid_heat_step(&s->method, s->index, s->count, view->x, view->model->mass,
-                                       hk_enthalpy(&s->heat, view), tau, s->rate, s->given);
+                                       hk_enthalpy(&s->heat, view), tau, s->rate, s->given, s->over);
   for (size_t k = 0; k < s->count; k++) {
     s->rate[s->index[k]] /= s->last;
     s->given[s->index[k]] /= s->last;
@@ -149,7 +153,7 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   (void)view;
   double flown = s->last > 0 ? (s->last + s->behind) * (h / s->last) : 0;
   s->behind = fmax(s->behind + h - flown, -h / 2);
-  s->last = h;
+  if (h > a_rest * s->last) s->last = h;
   s->found = NAN;
   return HK_OK;
 }

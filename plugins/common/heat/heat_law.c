@@ -21,6 +21,27 @@ hk_status hk_heat_law_check(hk_heat_law *l, const hk_host *host) {
   return HK_OK;
 }
 
+static double by_slope(double value, double slope, double without) { return slope > 0 ? value / slope : without; }
+
+double hk_heat_least_enthalpy(const hk_heat_law *l, double theta) {
+  double solid = l->conductivity[HK_SOLID] / l->capacity[HK_SOLID];
+  double molten = l->conductivity[HK_MOLTEN] / l->capacity[HK_MOLTEN];
+  if (!hk_heat_melts(l) || theta <= 0) return by_slope(theta, solid, -INFINITY);
+  double within = hk_heat_potential(l, l->latent);
+  if (theta <= within) return l->latent * (theta / within);
+  return l->latent + by_slope(theta - within, molten, 0);
+}
+
+double hk_heat_most_enthalpy(const hk_heat_law *l, double theta) {
+  double solid = l->conductivity[HK_SOLID] / l->capacity[HK_SOLID];
+  double molten = l->conductivity[HK_MOLTEN] / l->capacity[HK_MOLTEN];
+  if (!hk_heat_melts(l)) return by_slope(theta, solid, INFINITY);
+  if (theta < 0) return by_slope(theta, solid, 0);
+  double within = hk_heat_potential(l, l->latent);
+  if (theta < within) return l->latent * (theta / within);
+  return l->latent + by_slope(theta - within, molten, INFINITY);
+}
+
 double hk_heat_steepest_potential(const hk_heat_law *l) {
   const double *k = l->conductivity, *c = l->capacity;
   double solid = k[HK_SOLID] / c[HK_SOLID];

@@ -97,6 +97,10 @@ HK_INLINE double hk_heat_enthalpy(const hk_heat_law *l, double T) {
   return l->latent * (T - l->solidus) / (l->liquidus - l->solidus);
 }
 
+/* J/kg: the least and the largest enthalpy at the potential theta, W/m, which a melting point and what does not conduct
+ * make two; infinite where there is no end. */
+double hk_heat_least_enthalpy(const hk_heat_law *, double theta);
+double hk_heat_most_enthalpy(const hk_heat_law *, double theta);
 double hk_heat_steepest_potential(const hk_heat_law *); /* kg/(m s), the largest d theta/dh */
 double hk_heat_least_capacity(const hk_heat_law *);     /* J/(kg K) */
 

@@ -22,5 +22,7 @@ hk_status hk_liquid_couple_thin(hk_liquid *, const double *last);
 /* After hk_liquid_react: points get the velocities that the pressure has given them, and faces those of their points.
  */
 void hk_liquid_move_thin(hk_liquid *);
+/* The faces that cloth crosses move as its points do. */
+void hk_liquid_move_thin_faces(hk_liquid *);
 
 #endif

@@ -64,8 +64,7 @@ static hk_status couple_row(hk_liquid *l, size_t row, const double *last) {
   return status;
 }
 
-/* Faces move as the points do. */
-static void move_faces(hk_liquid *l) {
+void hk_liquid_move_thin_faces(hk_liquid *l) {
   hk_liquid_grid *g = &l->grid;
   for (int c = 0; c < 3; c++)
     for (size_t i = 0; i < g->size; i++) {
@@ -85,7 +84,7 @@ hk_status hk_liquid_couple_thin(hk_liquid *l, const double *last) {
     for (int c = 0; c < 9; c++) body[k].inverse_inertia[c] = mass * l->thin.vertex[k].inverse[c];
   }
   for (size_t k = 0; k < l->pressure.rows && status == HK_OK; k++) status = couple_row(l, k, last);
-  move_faces(l);
+  hk_liquid_move_thin_faces(l);
   return status;
 }
 
@@ -94,5 +93,5 @@ void hk_liquid_move_thin(hk_liquid *l) {
   const hk_moving_body *body = l->pressure.walls.body + l->bodies.count;
   for (size_t k = 0; k < l->thin.vertices; k++)
     for (int c = 0; c < 3; c++) l->thin.vertex[k].v[c] += body[k].reply[3 + c];
-  move_faces(l);
+  hk_liquid_move_thin_faces(l);
 }

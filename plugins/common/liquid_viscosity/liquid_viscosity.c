@@ -74,12 +74,12 @@ static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t r
  * right-hand side, solution and vectors of the iteration; of pieces' motions, and a part of their matrix and its
  * factors. Three numbers of rows in a cell. */
 static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8 + 8 * 7 + 8 * 8,
-                    bytes_of_cell = 3 * 4 + 8;
+                    bytes_of_cell = 3 * 4 + 8, bytes_of_lists = 9 * 3 * 8 + 8; /* viscous_flow.h */
 
 double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
   double cells = (double)g->cells[0] * (double)g->cells[1] * (double)g->cells[2];
   int axes = !g->flat[0] + !g->flat[1] + !g->flat[2];
-  return axes * cells * bytes_of_row + (double)g->size * bytes_of_cell;
+  return axes * cells * bytes_of_row + (double)g->size * (bytes_of_cell + bytes_of_lists);
 }
 
 /* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. The three of a
@@ -356,8 +356,8 @@ hk_status hk_liquid_dissipation(const hk_liquid *l, hk_liquid_viscosity *v, cons
 }
 
 void hk_liquid_viscosity_close(hk_liquid_viscosity *v, const hk_host *host) {
-  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis, v->start,
-                 v->column, v->value,  v->b,      v->x,    v->cell, v->power};
+  void *all[] = {v->row[0], v->row[1], v->row[2], v->face, v->axis,  v->start, v->column,
+                 v->value,  v->b,      v->x,      v->cell, v->power, v->lists, v->guess};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_viscous_bodies_close(&v->bodies, host);
   hk_viscous_coarse_close(&v->coarse);

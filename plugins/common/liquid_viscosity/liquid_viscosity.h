@@ -38,6 +38,8 @@ typedef struct hk_liquid_viscosity {
   hk_gradients gradients;
   hk_incomplete factors;
   hk_viscous_coarse coarse;
+  double *lists, *guess; /* of viscous_flow.h: m/s and rad/s, and size, m^2/s */
+  size_t listed;
 } hk_liquid_viscosity;
 
 /* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. */
