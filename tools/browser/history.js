@@ -8,7 +8,7 @@ hooke.history = (() => {
 
   // R of plugins/common/live/messages.h, with what the page knows of fields (tools/common/view/shared.lua).
   const runOf = (text, title, kinds) => {
-    const run = { title, origin: [0, 0, 0], fields: [], measures: [], marks: [], groups: [] };
+    const run = { title, origin: [0, 0, 0], fields: [], measures: [], units: [], marks: [], groups: [] };
     for (const line of text.split("\n")) {
       const [key, value, more, kind] = line.split("\t");
       if (key === "fps") run.fps = Number(value);
@@ -17,7 +17,10 @@ hooke.history = (() => {
         components: Number(more), ...kinds[kind] });
       else if (key === "mark") run.marks.push({ name: value, kind: more });
       else if (key === "group") run.groups.push(value);
-      else if (key === "measure") run.measures.push(value);
+      else if (key === "measure") {
+        run.measures.push(value);
+        run.units.push(more);
+      }
     }
     return run;
   };
