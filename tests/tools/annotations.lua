@@ -1,5 +1,6 @@
 -- The annotations for Lua's language server, `hooke docs --annotations`: each line follows the grammar of LuaCATS, every name of a
--- class is defined, no key or argument is left open, and each parameter of each plugin has a type. Where lua-language-server is installed, it finds no fault.
+-- class is defined, no key or argument is left open, and each parameter of each plugin has a type. Where lua-language-server is
+-- installed, it finds no fault.
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD")
 
 local function output_of(format, ...)

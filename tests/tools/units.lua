@@ -16,12 +16,13 @@ local function has(text, wanted) assert(text:find(wanted, 1, true), ("'%s' is no
 
 -- ---- of a help ----
 
-for help, unit in pairs { ["stiffness, N/m"] = "N/m", ["damping of a spring, N s/m"] = "N s/m", ["rad/s, about the stem"] = "rad/s", s = "s",
+for help, unit in pairs { ["stiffness, N/m"] = "N/m", ["damping of a spring, N s/m"] = "N s/m", s = "s",
+  ["rad/s, about the stem"] = "rad/s",
   ["gravity, m/s^2"] = "m/s^2", ["spins, kg m²/s"] = "kg m²/s", ["rate, 1/s"] = "1/s", ["a, b, Pa"] = "Pa" } do
   assert(units.of_help(help) == unit, ("%s: %s"):format(help, units.of_help(help)))
 end
-for _, help in ipairs { "", "particles", "grid, incompressible or sph", "of the spin, about the other axes", "impulses, barrier, force, zones", "1",
-  "0: the start is refused", "m/q" } do
+for _, help in ipairs { "", "particles", "grid, incompressible or sph", "of the spin, about the other axes",
+  "impulses, barrier, force, zones", "1", "0: the start is refused", "m/q" } do
   assert(units.of_help(help) == nil, help)
 end
 assert(units.of_help(nil) == nil)
