@@ -76,7 +76,7 @@ local ran, why = pcall(function()
   verdict, complaint = ended()
   assert(verdict ~= "" and not b:eval("!!hooke.page.notice"), complaint)
   assert(b:eval("hooke.page.number") == same, "another run began")
-  assert(b:eval("hooke.page.history.frames") == b:eval("Math.round(hooke.page.summary.t * hooke.page.summary.fps) + 1"), "frames are missing")
+  assert(b:eval("hooke.page.history.frames === Math.round(hooke.page.summary.t * hooke.page.summary.fps) + 1"), "frames are missing")
   assert(b:eval("hooke.page.summary.checked || hooke.page.summary.reason"):find("its parameters were changed while it ran", 1, true),
     b:eval("hooke.page.summary.checked || hooke.page.summary.reason"))
   print(("changed at frame %d: %s"):format(frames - 1, verdict))
