@@ -69,7 +69,7 @@ local function say(o, found, verdict, reason)
   local names = {}
   for name in pairs(found.measures) do names[#names + 1] = name end
   table.sort(names)
-  for _, name in ipairs(names) do 
+  for _, name in ipairs(names) do
     local unit = found.measure_units[name]
     print(("  %-17s %.9g%s"):format(name, found.measures[name], unit and " " .. unit or ""))
   end
