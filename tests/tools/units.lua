@@ -121,5 +121,10 @@ has(said, "data.csv:1: the column 'sag [cm]' is in cm, and the scene has sag in 
 code, said = runs.hooke("view out/hung")
 assert(code == 0, said)
 has(runs.read("out/hung/page.html"), '"unit":"m"')
+
+-- ---- of a live page ----
+
+local run = require("common.watch.messages").run("fps\t50\nmeasure\tsag\tm\nmeasure\ttimes\t\n")
+assert(table.concat(run.measures, ",") == "sag,times" and table.concat(run.units, ",") == "m,")
 runs.close()
 print("passed")

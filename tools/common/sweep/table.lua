@@ -24,8 +24,7 @@ function rows.unit(the, name)
   for _, case in ipairs(the.cases) do
     local result = case.result
     local unit = result and result.units and result.units[name]
-    if unit and found and unit ~= found then return nil end
-    if result and not unit and (result.measures[name] ~= nil or found) then return nil end
+    if unit and found and unit ~= found or result and not unit and result.measures[name] ~= nil then return nil end
     found = found or unit
   end
   return found or own_units[name]
@@ -120,7 +119,7 @@ function rows.show(the)
     names[#names + 1] = name
   end
   local lines, width = { {} }, {}
-  for k, name in ipairs(names) do lines[1][k] = hooke.plain(units.heading(name, rows.unit(the, name)), true) end
+  for k, name in ipairs(names) do lines[1][k] = hooke.plain(own_units[name] and name or units.heading(name, rows.unit(the, name)), true) end
   for _, case in ipairs(the.cases) do
     local line = {}
     for k, name in ipairs(names) do line[k] = case.result and short(rows.value(case, name)) or "" end
