@@ -33,5 +33,5 @@ scene:measure("out of plane", function(s)
   return high - low
 end, { unit = "m" })
 scene:output("frames", { width = 960, height = 720, radius = 0.04, color = "none", from = { 1.8, -4.6, 2.2 }, look_at = { 0, 0, 0 },
-  ground_height = -1.5 })
+  fov = 21, ground_height = -1.5 })
 return scene

@@ -23,6 +23,6 @@ scene:measure("angular momentum", function(s)
   local L = handle:angular_momentum(s)
   return math.sqrt(L[1] ^ 2 + L[2] ^ 2 + L[3] ^ 2)
 end, { unit = "kg m^2/s" })
-scene:output("frames", { width = 960, height = 720, legend = false, ground_height = 0,
-  from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 } })
+scene:output("frames", { width = 960, height = 540, legend = false, ground_height = 0,
+  from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 }, fov = 18 })
 return scene
