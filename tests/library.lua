@@ -34,6 +34,10 @@ local function run(program) return output_of(("cd '%s' && timeout 60 '%s/library
 
 local said = run("wrong_inputs'")
 assert(said == "", said)
+local kept = os.tmpname()
+said = run(("changed' '%s'"):format(kept))
+os.remove(kept)
+assert(said == "", said)
 said = run("pendulum'")
 assert(said:find("; ok at 2 s", 1, true), said)
 said = run(("two_processes' '%s/tests/fixtures/halo.so' 64 30"):format(build))

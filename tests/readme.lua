@@ -1,6 +1,6 @@
 -- Every Lua block of README.md and scripts/README.md can be pasted: a whole scene runs as it stands, and a fragment where
 -- it gets the scene, and the `return scene`, that it lacks. None is warned of. What a line offers "in its place" is tried
--- in that place. plugins/README.md is for contract.lua, core/README.md for engine.lua.
+-- in that place. Links of all READMEs lead somewhere. plugins/README.md is for contract.lua, core/README.md for engine.lua.
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 
@@ -73,6 +73,31 @@ for _, name in ipairs { "README.md", "scripts/README.md" } do
     end
   end
 end
+-- ---- links ----
+
+-- As GitHub makes them of headings.
+local function anchors(text)
+  local found = {}
+  for heading in text:gmatch("\n#+ ([^\n]+)") do found[heading:lower():gsub("[^%w%- _]", ""):gsub(" ", "-")] = true end
+  return found
+end
+
+-- Links of pages of Markdown lead to files that are here, and to headings in them.
+local links = 0
+for path in assert(io.popen(("cd '%s' && ls *.md */*.md scripts/*/README.md tests/*/README.md tools/*/README.md"):format(root))):lines() do
+  local here = path:match("^(.*)/") or "."
+  for to in read(root .. "/" .. path):gsub("```.-```", ""):gmatch("%]%(([^%)%s]+)%)") do
+    local file, anchor = to:match("^([^#]*)#?(.*)$")
+    local target = file == "" and path or here .. "/" .. file
+    if not to:find("^%a+:") then
+      assert(io.open(root .. "/" .. target), ("%s: there is no %s"):format(path, to))
+      assert(anchor == "" or anchors("\n" .. read(root .. "/" .. target))[anchor], ("%s: there is no heading for %s"):format(path, to))
+      links = links + 1
+    end
+  end
+end
+assert(links > 50, links)
+
 os.execute(("rm -rf '%s'"):format(folder))
 print(("%d blocks and what they offer in the place of a line"):format(count))
 assert(count >= 12, "the blocks are not found")

@@ -68,6 +68,16 @@ local function words()
   return { { file = "words.html", title = "Words", group = "Reference", text = section(text, "Words") } }
 end
 
+-- The sections of a text, by their titles.
+local function sections(text)
+  local found, title = {}, nil
+  for line in text:gmatch("([^\n]*)\n") do
+    title = line:match("^## (.*)") or title
+    if title and not line:find("^## ") then found[title] = (found[title] or "") .. line .. "\n" end
+  end
+  return found
+end
+
 local function all_pages(plugins)
   local pages = { { file = "index.html", title = "hooke", group = "Handbook", text = lessons.read(texts .. "/index.md") } }
   local function add(list) table.move(list, 1, #list, #pages + 1, pages) end
@@ -81,7 +91,7 @@ local function all_pages(plugins)
       body = function() return chapters.plugins(kind, plugins) end } }
   end
   add { { file = "commands.html", title = "Commands and options", group = "Reference",
-    body = function() return chapters.commands(help()) end } }
+    body = function() return chapters.commands(help(), sections(lessons.read(texts .. "/commands.md"))) end } }
   add { { file = "glossary.html", title = "Glossary", group = "Reference", text = lessons.read(texts .. "/glossary.md") } }
   add(words())
   return pages

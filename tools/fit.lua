@@ -72,7 +72,8 @@ local function read_data(o, explained)
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
     seed = o.seed, ["until"] = 0 }
   if not start.measures then return nil, start.failed end
-  local list, why = data.read(o.data, start.measures, explained.duration)
+  o.units = explained.measure_units
+  local list, why = data.read(o.data, start.measures, explained.duration, o.units)
   if not list then return nil, why end
   o.observations, o.plugin = list, start.integrator
   o.weighted, why = check_weights(list)

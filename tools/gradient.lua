@@ -8,6 +8,7 @@ local derivative = require("common.gradient.derivative")
 local files = require("common.run.file")
 local parameters = require("common.run.parameters")
 local report = require("common.gradient.report")
+local units = require("common.run.units")
 
 local function complain(format, ...) return command_line.complain("gradient", format:format(...)) end
 
@@ -88,7 +89,9 @@ local function ready(o)
   if #o.parameters > derivative.most then
     return nil, ("--by: %d parameters, and %d at a time are possible"):format(#o.parameters, derivative.most)
   end
-  o.at = o.at or explained.duration
+  o.at, o.unit = o.at or explained.duration, explained.measure_units[o.of]
+  local known = units.of_parameters(explained.parameters)
+  for _, p in ipairs(o.parameters) do p.unit = known[p.name] end
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
     seed = o.seed, without = o.without, ["until"] = 0 }
   if not start.measures then return nil, start.failed end

@@ -62,7 +62,7 @@ local function follow(case)
   end
   if not fine then return { failed = tostring(run) } end
   local last = run:summary()
-  return { frames = frames, verdict = last.verdict, reason = last.reason, particles = last.particles }
+  return { frames = frames, verdict = last.verdict, reason = last.reason, particles = last.particles, units = last.measure_units }
 end
 
 local function run_with(o, p, value)
@@ -99,14 +99,15 @@ local function say(whole, half)
   local worst
   for _, name in ipairs(names_of(whole)) do
     local found = compare(name, whole, half)
+    local unit = whole.units[name] and " " .. whole.units[name] or ""
     local change = found and found.size > 0 and found.change / found.size or found and 0
     if not found then
       print(("  %s is a measure of one of the two alone"):format(name))
     elseif change == 0 then
-      print(("  %s: %.6g in both"):format(name, found.first))
+      print(("  %s: %.6g%s in both"):format(name, found.first, unit))
     else
-      print(("  %s: %.6g, then %.6g at the end; the largest difference is %.2g %% of its largest value, at t = %g s"):format(name,
-        found.first, found.last, 100 * change, found.t))
+      print(("  %s: %.6g%s, then %.6g%s at the end; the largest difference is %.2g %% of its largest value, at t = %g s"):format(name,
+        found.first, unit, found.last, unit, 100 * change, found.t))
     end
     if change and (not worst or change > worst.change) then worst = { name = name, change = change } end
   end

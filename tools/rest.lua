@@ -38,7 +38,7 @@ local function find(o)
   local found
   found, why = resting.find(run, o.tolerance)
   if not found then return nil, why end
-  found.measures = run:measures()
+  found.measures, found.measure_units = run:measures(), run:summary().measure_units
   found.particles = run:state().n
   local path = o.state or o.out .. "/rest.csv"
   fine, why = resting.write(run, path)
@@ -69,7 +69,10 @@ local function say(o, found, verdict, reason)
   local names = {}
   for name in pairs(found.measures) do names[#names + 1] = name end
   table.sort(names)
-  for _, name in ipairs(names) do print(("  %-17s %.9g"):format(name, found.measures[name])) end
+  for _, name in ipairs(names) do
+    local unit = found.measure_units[name]
+    print(("  %-17s %.9g%s"):format(name, found.measures[name], unit and " " .. unit or ""))
+  end
   print(("  positions         %s"):format(found.state))
   print(("  verdict           %s: %s"):format(verdict, reason))
 end

@@ -182,7 +182,7 @@ local function write_all(o, rows)
   local fine, why = files.write(o.out .. "/scaling.csv", table_of(rows))
   if not fine then return refuse_file(why) end
   fine, why = plot.draw(o.out .. "/scaling", { title = ("Cost against size: %s"):format(o.scene:match("[^/]+$")),
-    x = { label = "particles", log = true }, y = { label = "time per particle and simulated second, us", log = true },
+    x = { label = "particles", log = true }, y = { label = "time per particle and simulated second, µs", log = true },
     curves = curves_of(o, rows) })
   print(("wrote %s/scaling.csv%s"):format(o.out, fine and ", scaling.png, scaling.svg" or ""))
   return fine and 0 or refuse_file(why)

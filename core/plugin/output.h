@@ -47,6 +47,8 @@ struct hk_frame {
    * nothing stays. HK_OK also where there are none; otherwise why they cannot be told. NULL: this host tells none;
    * since minor 4. */
   hk_status (*bar_forces)(const hk_frame *, const hk_pair_forces *);
+  /* Of each measure, as "kg m/s"; "" where the scene does not say it. NULL: this host tells none; since minor 4. */
+  const char *const *measure_unit;
 };
 
 /* `view` in the calls of an output is at the frame's time. Between open and close the scene may gain and lose

@@ -24,7 +24,7 @@ function lamp.new(scene, stand)
     local sum = 0
     for k, id in ipairs(self.ids) do sum = sum + self.masses[k] * state:velocity(id)[3] / weight end
     return sum
-  end)
+  end, { unit = "m/s" })
   scene:pin(self.ids, { normal = { 0, 1, 0 } })
   scene:force("gravity", {})
   scene:force("springs", { edges = { { self.heel, self.toe }, { self.heel, self.ankle }, { self.toe, self.ankle },

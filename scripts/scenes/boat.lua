@@ -42,8 +42,8 @@ scene:force("gravity", { g = { 0, 0, -9.81 } })
 filling.tank(scene, { 0, 0, 0 }, high)
 scene:corrector("liquid", { low = { 0, 0, 0 }, high = high, cell = cell, density = 1000 })
 
-scene:measure("keel", function(s) return s:position(ids[1])[3] end) -- m, its height
-scene:measure("shipped", function(s) -- kg, of the water that is in the boat, above its keel's middle part
+scene:measure("keel", function(s) return s:position(ids[1])[3] end, { unit = "m" }) -- its height
+scene:measure("shipped", function(s) -- of the water that is in the boat, above its keel's middle part
   local keel, count = s:position(ids[1]), 0
   for id = 1, #water.positions do
     local p = s:position(id)
@@ -52,7 +52,7 @@ scene:measure("shipped", function(s) -- kg, of the water that is in the boat, ab
     end
   end
   return count
-end)
+end, { unit = "kg" })
 scene:output("frames", { surface = 0.4 * cell, surface_of = "water", surface_look = "water", surface_absorption = { 4, 1.2, 0.5 },
   plain = { 0.8, 0.3, 0.2 }, color = "none", springs = "off", surface_cut = true, obstacles = false,
   from = { 2.5, -1.9, 1.7 }, look_at = { 0.78, 0.4, 0.25 }, ground_height = 0 })

@@ -20,6 +20,6 @@ scene:exact(function(t)
   end
   return 0, 0, 0.05
 end)
-scene:measure("height", function(s) return s:position(ball)[3] - 0.05 end)
+scene:measure("height", function(s) return s:position(ball)[3] - 0.05 end, { unit = "m" })
 scene:output("table")
 return scene

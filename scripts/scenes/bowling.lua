@@ -32,7 +32,7 @@ scene:measure("fallen", function(s)
   end
   return count
 end)
-scene:measure("slip", function(s) return ball:velocity(s)[1] - r * ball:spin(s)[2] end)
-scene:measure("speed of the ball", function(s) return ball:velocity(s)[1] end)
+scene:measure("slip", function(s) return ball:velocity(s)[1] - r * ball:spin(s)[2] end, { unit = "m/s" })
+scene:measure("speed of the ball", function(s) return ball:velocity(s)[1] end, { unit = "m/s" })
 scene:output("frames", { width = 1280, height = 540, legend = false, from = { -1.6, -1.6, 1.1 }, look_at = { 0.3, 0, 0.1 } })
 return scene

@@ -23,6 +23,6 @@ scene:measure("energy of the bricks", function(s)
   local E = ball:energy(s) + ball.mass * g * ball:position(s)[3]
   for _, b in ipairs(wall.bricks) do E = E + b:energy(s) + b.mass * g * b:position(s)[3] end
   return E
-end)
+end, { unit = "J" })
 scene:output("frames", { width = 960, height = 540, legend = false, from = { 1.1, -1.5, 0.8 }, look_at = { 0, 0.15, 0.12 } })
 return scene

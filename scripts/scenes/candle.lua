@@ -16,11 +16,11 @@ scene:corrector("gas", { low = { -0.04, -0.04, 0 }, high = { 0.04, 0.04, 0.2 }, 
   source_temperature = 1200, burn_rate = rate, burn_heat = 1400, radiation = 1500, soot = 2e-5,
   expansion = 1 / 1500 })
 
-scene:measure("hottest", function(s) -- K, along the wick
+scene:measure("hottest", function(s) -- along the wick
   local most = 0
   for _, id in ipairs(wick) do most = math.max(most, s:field("temperature", id)) end
   return most
-end)
+end, { unit = "K" })
 scene:output("frames", { width = 540, height = 960, smoke = 8700, glow = 4000, color = "none", particles = "off",
   boxes = { 0, 0, 0.041, 0.0015, 0.0015, 0.014 }, from = { 0, -0.36, 0.11 }, look_at = { 0, 0, 0.075 },
   ground_height = -0.025, light = "night" })

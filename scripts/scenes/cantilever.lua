@@ -35,10 +35,10 @@ for k, ratio in ipairs { 0.2, 1, 5, 20 } do
   for _, p in ipairs(exact) do
     scene:pin { scene:particle { position = { p[3], y, p[4] }, mass = 1, group = "elastica" } }
   end
-  scene:measure(("w L^3/EI = %g: drop"):format(ratio), function(s) return -s:position(rod:at(n + 2))[3] end)
+  scene:measure(("w L^3/EI = %g: drop"):format(ratio), function(s) return -s:position(rod:at(n + 2))[3] end, { unit = "m" })
   scene:measure(("w L^3/EI = %g: off"):format(ratio), function(s)
     return math.abs(s:position(rod:at(n + 2))[3] - exact[24][4])
-  end)
+  end, { unit = "m" })
 end
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:force("drag", { rate = 4 })

@@ -42,7 +42,7 @@ scene:measure("height", function(s)
   local z = 0
   for _, i in ipairs(s:ids()) do z = math.max(z, s:position(i)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "group", thickness = thickness, from = { 0.8, -1.5, 0.6 }, look_at = { 0, 0, 0.26 },
   fov = 27, ground_height = 0 })
 return scene

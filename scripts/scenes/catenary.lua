@@ -32,10 +32,10 @@ scene:constraint("bars", { edges = bars })
 scene:force("springs", { edges = parts, k = EA / l, rest = l })
 
 local function middle(s, ids) return -(s:position(ids[n // 2])[3] + s:position(ids[(n + 1) // 2])[3]) / 2 end
-scene:measure("sag of the chain", function(s) return middle(s, chain) end)
-scene:measure("sag of the string", function(s) return middle(s, string) end)
-scene:measure("pull of the chain", function(s) return s:force("bars", chain[0])[1] end)
-scene:measure("pull of the string", function(s) return s:force("springs", string[0])[1] end)
+scene:measure("sag of the chain", function(s) return middle(s, chain) end, { unit = "m" })
+scene:measure("sag of the string", function(s) return middle(s, string) end, { unit = "m" })
+scene:measure("pull of the chain", function(s) return s:force("bars", chain[0])[1] end, { unit = "N" })
+scene:measure("pull of the string", function(s) return s:force("springs", string[0])[1] end, { unit = "N" })
 scene:output("frames", { width = 960, height = 600, color = "group", radius = 0.011, from = { 0.5, -1.45, -0.2 },
   look_at = { 0.5, 0, -0.2 }, ground = false })
 return scene

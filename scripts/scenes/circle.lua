@@ -12,5 +12,5 @@ scene:output("frames", { width = 640, height = 640, from = { 0, -1.5, 3.5 }, loo
 scene:measure("radius", function(s)
   local x = s:position(p)
   return math.sqrt(x[1] ^ 2 + x[2] ^ 2)
-end)
+end, { unit = "m" })
 return scene

@@ -18,5 +18,5 @@ end
 
 scene:output("frames", { width = 1280, height = 720 })
 scene:output("table")
-scene:measure("sag", function(s) return -s:position(cloth:at((N + 1) // 2, 1))[3] end)
+scene:measure("sag", function(s) return -s:position(cloth:at((N + 1) // 2, 1))[3] end, { unit = "m" })
 return scene

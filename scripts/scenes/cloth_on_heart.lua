@@ -21,7 +21,7 @@ local cloth = drape.sheet(scene, { nx = N, ny = N, width = 1, height = 1, origin
 scene:force("drag", { rate = 1 })
 drape.contact(scene, contact, { thickness = thickness, friction = 0.3 })
 
-scene:measure("lowest", drape.lowest(cloth:ids()))
+scene:measure("lowest", drape.lowest(cloth:ids()), { unit = "m" })
 scene:output("frames", { color = "none", thickness = thickness, from = { 0.9, -1.9, 1.15 }, look_at = { 0, 0, 0.4 },
   fov = 26, ground_height = 0 })
 return scene

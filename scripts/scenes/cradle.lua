@@ -34,14 +34,14 @@ local function outwards(s, k)
   local x = balls[k]:position(s)
   return math.atan(k == 1 and top[k] - x[1] or x[1] - top[k], -x[3])
 end
-scene:measure("angle of the first", function(s) return outwards(s, 1) end)
-scene:measure("angle of the last", function(s) return outwards(s, n) end)
-scene:measure("angle of the next", function(s) return outwards(s, n - 1) end)
+scene:measure("angle of the first", function(s) return outwards(s, 1) end, { unit = "rad" })
+scene:measure("angle of the last", function(s) return outwards(s, n) end, { unit = "rad" })
+scene:measure("angle of the next", function(s) return outwards(s, n - 1) end, { unit = "rad" })
 scene:measure("energy of the balls", function(s)
   local E = 0
   for k = 1, n do E = E + balls[k]:energy(s) + balls[k].mass * g * (balls[k]:position(s)[3] + drop) end
   return E
-end)
+end, { unit = "J" })
 scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.1, -0.85, -0.05 }, look_at = { 0.1, 0, -0.17 },
   ground_height = -0.36, tube = 0.001, radius = 0.002 })
 return scene

@@ -13,10 +13,10 @@ scene:pin({ trolley }, { axes = { 1, 0, 0 } })
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:force("springs", { edges = { { trolley, load } }, k = k, damping = 200, rest = 4 })
 scene:force("field", { f = function(t, _, _, _, _, _, _, id) return id == trolley and drive(t) or 0, 0, 0 end })
-scene:measure("trolley", function(s) return s:position(trolley)[1] end)
-scene:measure("trolley_speed", function(s) return s:velocity(trolley)[1] end)
-scene:measure("load", function(s) return s:position(load)[1] end)
-scene:measure("load_speed", function(s) return s:velocity(load)[1] end)
+scene:measure("trolley", function(s) return s:position(trolley)[1] end, { unit = "m" })
+scene:measure("trolley_speed", function(s) return s:velocity(trolley)[1] end, { unit = "m/s" })
+scene:measure("load", function(s) return s:position(load)[1] end, { unit = "m" })
+scene:measure("load_speed", function(s) return s:velocity(load)[1] end, { unit = "m/s" })
 for j, measure in ipairs { "trolley", "trolley_speed", "load", "load_speed" } do
   scene:goal { measure = measure, value = j % 2 * 5 }
 end

@@ -47,8 +47,8 @@ scene:on_frame(function(s) -- when the whole is highest again for the first time
   if a and s.t > 0.05 and b > a and b >= z then period = s.t - 0.01 - 0.005 * (z - a) / (z - 2 * b + a) end
   before = { b, z }
 end)
-scene:measure("sag", function(s) return -s:position(middle)[3] end)
-scene:measure("period", function() return period end)
+scene:measure("sag", function(s) return -s:position(middle)[3] end, { unit = "m" })
+scene:measure("period", function() return period end, { unit = "s" })
 
 scene:output("frames", { width = 1280, height = 720, from = { 1.7, -0.9, 0.7 }, look_at = { 0.5, 0.5, -0.05 } })
 return scene

@@ -31,7 +31,7 @@ scene:measure("energy of the row", function(s)
   local E = 0
   for k = 1, n do E = E + row[k]:energy(s) + row[k].mass * g * row[k]:position(s)[3] end
   return E
-end)
+end, { unit = "J" })
 scene:output("frames", { width = 1280, height = 540, legend = false, from = { 0.3 * (size[1] + gap) * n, -1.1, 0.5 },
   look_at = { 0.5 * (size[1] + gap) * n, 0, 0.06 } })
 return scene

@@ -16,15 +16,15 @@ scene:pin { pivot }
 scene:force("gravity", { g = { 0, 0, -9.81 } })
 if rigid == 1 then
   scene:constraint("bars", { edges = rods, length = 1 })
-  scene:measure("tension", function(s) return s:constraint_forces("bars")[1] end)
+  scene:measure("tension", function(s) return s:constraint_forces("bars")[1] end, { unit = "N" })
 else
   scene:force("springs", { edges = rods, k = k, rest = 1 })
   scene:measure("stretch", function(s) return s:strain("springs") end)
 end
 
-scene:measure("x", function(s) return s:position(lower)[1] end)
-scene:measure("z", function(s) return s:position(lower)[3] end)
-scene:measure("energy", function(s) return s:energy() end)
+scene:measure("x", function(s) return s:position(lower)[1] end, { unit = "m" })
+scene:measure("z", function(s) return s:position(lower)[3] end, { unit = "m" })
+scene:measure("energy", function(s) return s:energy() end, { unit = "J" })
 scene:output("frames", { width = 800, height = 800, color = "speed", range = { 0, 8 }, radius = 0.07,
   from = { 0, -7, 0 }, look_at = { 0, 0, 0 }, ground_height = -2.4 })
 return scene

@@ -20,11 +20,11 @@ scene:corrector("liquid", { low = { -half, -half, 0 }, high = { half, half, top 
   tension = tension })
 
 local n = #water.positions
-scene:measure("top", function(s) -- m above the pool, of the highest
+scene:measure("top", function(s) -- above the pool, of the highest
   local h = 0
   for id = 1, n do h = math.max(h, s:position(id)[3]) end
   return h - level
-end)
+end, { unit = "m" })
 scene:output("frames", { surface = 0.35 * cell, surface_cell = 0.4 * cell, surface_look = "water",
   surface_absorption = { 60, 15, 5 }, color = "none", surface_cut = true, obstacles = false,
   from = { 0.018, -0.047, 0.022 }, look_at = { 0, 0, 0.0045 }, ground_height = 0, fov = 24 })

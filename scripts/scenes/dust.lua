@@ -29,7 +29,7 @@ scene:force("turbulence", { speed = 0.15, largest = 1.6, smallest = 0.25, drift 
   relative = false, seed = 3 })
 
 local middle = (N // 2) * M + M // 2
-scene:measure("middle", function(s) return s:position(middle)[1] end)
+scene:measure("middle", function(s) return s:position(middle)[1] end, { unit = "m" })
 scene:output("frames", { width = 1280, height = 720, color = "dye", radius = 0.006, ground_height = -0.9,
   from = { 0.25, -9, 2 }, look_at = { 0.5, 0, 1.2 } })
 return scene

@@ -117,14 +117,14 @@ end)
 scene:measure("period", function()
   local n = #passages
   return n > 2 and 2 * (passages[n] - passages[n - 2 * ((n - 1) // 2)]) / (2 * ((n - 1) // 2)) or 0
-end)
-scene:measure("amplitude", function() return amplitude end)
+end, { unit = "s" })
+scene:measure("amplitude", function() return amplitude end, { unit = "rad" })
 scene:measure("free period", function()
   local m, c, across = anchor.mass, anchor.center, 0
   for k = 1, 3 do across = across + anchor.inertia[k] * anchor.axes[k][2] ^ 2 end
   local d = math.sqrt(c[1] ^ 2 + c[3] ^ 2)
   return 2 * math.pi * math.sqrt((across + m * d ^ 2) / (m * g * d)) * (1 + amplitude ^ 2 / 16 + 11 * amplitude ^ 4 / 3072)
-end)
+end, { unit = "s" })
 scene:measure("slips", function() return slips end)
 scene:measure("swings", function() return #passages end)
 scene:output("frames", { width = 720, height = 720, legend = false, color = "group", particles = "off", springs = "off", tube = 0.001,

@@ -20,7 +20,7 @@ end })
 drape.contact(scene, contact, { thickness = thickness, friction = 0.3 })
 
 local tip = flag:at(M, 1)
-scene:measure("lowest", drape.lowest { tip })
+scene:measure("lowest", drape.lowest { tip }, { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.78, 0.3, 0.26 }, thickness = thickness,
   from = { 0.9, -2.5, 1.2 }, look_at = { 0.3, 0, 0.95 }, fov = 28, ground_height = 0 })
 return scene

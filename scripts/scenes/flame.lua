@@ -28,7 +28,7 @@ scene:measure("mean K", function(s)
   local sum = 0
   for _, id in ipairs(s:ids()) do sum = sum + s:channel("temperature", id) end
   return s.n > 0 and sum / s.n or air
-end)
+end, { unit = "K" })
 scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 500, hot },
   map = "fire", style = "glow", size = "radius", from = { 0, -3.4, 0.7 }, look_at = { 0, 0, 0.6 }, ground = false,
   background = { 0.02, 0.02, 0.03 } })

@@ -17,7 +17,7 @@ scene:measure("height of the pile", function(s)
   local z = 0
   for _, i in ipairs(cloth:ids()) do z = math.max(z, s:position(i)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.85, 0.55, 0.3 }, thickness = thickness, from = { 1.0, -0.9, 0.5 },
   look_at = { 0, 0.06, 0.06 }, fov = 15, ground_height = 0 })
 return scene

@@ -38,7 +38,7 @@ scene:measure("top", function(s)
   local top = 0
   for _, id in ipairs(s:ids()) do top = math.max(top, s:position(id)[3]) end
   return top
-end)
+end, { unit = "m" })
 scene:measure("drops", function(s) return s.n end)
 scene:output("frames", { width = 1280, height = 720, color = "speed", radius = 0.014, from = { 0.4, -8.2, 3.2 },
   look_at = { 0, 0, 1.25 }, ground_height = -0.01 })

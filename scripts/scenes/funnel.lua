@@ -23,7 +23,7 @@ drape.contact(scene, contact, { thickness = thickness, friction = friction })
 scene:measure("width of the ribbon halfway up", function(s)
   local a, b = s:position(cloth:at(1, M // 2)), s:position(cloth:at(N, M // 2))
   return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.8, 0.6, 0.25 }, thickness = thickness, particles = "off",
   from = { 0.8, -2.0, 1.0 }, look_at = { 0, 0, 0.08 }, fov = 36, ground_height = -0.85 })
 return scene

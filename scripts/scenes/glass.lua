@@ -39,14 +39,14 @@ scene:measure("filled", function(s) -- of the glass, by the mass of the water in
   end
   return sum / (1000 * volume)
 end)
-scene:measure("spilt", function(s) -- kg, beside the glass
+scene:measure("spilt", function(s) -- beside the glass
   local sum = 0
   for _, id in ipairs(s:ids()) do
     local p = s:position(id)
     if math.max(math.abs(p[1]), math.abs(p[2])) > middle then sum = sum + s:mass(id) end
   end
   return sum
-end)
+end, { unit = "kg" })
 scene:output("frames", { surface = 0.35 * cell, surface_cell = 0.25 * cell, surface_of = "water", surface_look = "water",
   surface_absorption = { 12, 3, 1 }, color = "none", surface_cut = true, obstacle_opacity = 0.15,
   from = { 0.12, -0.44, 0.2 }, look_at = { 0, 0, 0.06 }, ground_height = 0, fov = 18 })

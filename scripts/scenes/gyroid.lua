@@ -26,7 +26,7 @@ scene:measure("height of the top", function(s)
   local sum = 0
   for _, i in ipairs(top) do sum = sum + s:position(i)[3] / #top end
   return sum + height
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "none", springs = "off", particles = "off", from = { 1.7, -2.4, 1.4 },
   look_at = { 0, 0, -0.05 }, fov = 26, ground_height = -height })
 return scene

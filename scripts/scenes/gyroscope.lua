@@ -33,7 +33,7 @@ scene:on_frame(function(s)
 end)
 scene:measure("round", function() return round end)
 scene:measure("rate", function(s) return s.t > 0 and round / s.t / expected or 1 end)
-scene:measure("height", function(s) return wheel:position(s)[3] end)
-scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.7, -1.3, 0.95 }, look_at = { 0, 0, 0.62 },
+scene:measure("height", function(s) return wheel:position(s)[3] end, { unit = "m" })
+scene:output("frames", { width = 960, height = 540, legend = false, from = { 0.7, -1.3, 0.95 }, look_at = { 0, 0, 0.62 }, fov = 22,
   ground_height = 0.2, tube = 0.003 })
 return scene

@@ -22,7 +22,7 @@ scene:force("angle_springs", { edges = hair:edges(), EI = hair.EI, retardation =
 scene:force("drag", { rate = 4 })
 drape.contact(scene, contact, { radius = radius, thickness = radius, friction = 0.2 })
 
-scene:measure("lowest", drape.lowest(ids))
+scene:measure("lowest", drape.lowest(ids), { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.45, 0.28, 0.16 }, particles = "off",
   from = { 0.55, -1.05, 0.3 }, look_at = { 0, 0, -0.12 }, fov = 28, ground = false })
 return scene

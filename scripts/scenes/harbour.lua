@@ -29,10 +29,10 @@ scene:measure("mass", function(s) -- of the water, kg
   local sum = -raft.mass - log.mass - cork.mass - stone.mass
   for _, id in ipairs(s:ids()) do sum = sum + s:mass(id) end
   return sum
-end)
+end, { unit = "kg" })
 for k, name in ipairs { "raft", "log", "cork", "stone" } do
   local body = ({ raft, log, cork, stone })[k]
-  scene:measure(name, function(s) return body:position(s)[3] end) -- m, its height
+  scene:measure(name, function(s) return body:position(s)[3] end, { unit = "m" }) -- its height
 end
 scene:output("frames", { surface = 0.4 * cell, surface_of = "water", surface_look = "water", surface_absorption = { 4, 1.2, 0.5 },
   plain = { 0.72, 0.5, 0.3 }, color = "none", springs = "off", surface_cut = true,

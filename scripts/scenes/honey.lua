@@ -19,19 +19,19 @@ scene:force("gravity", { g = { 0, 0, -9.81 } })
 scene:corrector("liquid", { low = { -half, -half, 0 }, high = { half, half, top }, cell = cell, density = density,
   viscosity = viscosity })
 
-scene:measure("height", function(s) -- m, of the centre of mass
+scene:measure("height", function(s) -- of the centre of mass
   local z = 0
   for id = 1, s.n do z = z + s:position(id)[3] / s.n end
   return z
-end)
-scene:measure("width", function(s) -- m, of the foot: twice the mean distance from the axis of what is on the plate
+end, { unit = "m" })
+scene:measure("width", function(s) -- of the foot: twice the mean distance from the axis of what is on the plate
   local sum, count = 0, 0
   for id = 1, s.n do
     local p = s:position(id)
     if p[3] < 2 * cell then sum, count = sum + math.sqrt(p[1] * p[1] + p[2] * p[2]), count + 1 end
   end
   return count > 0 and 2 * sum / count or 0
-end)
+end, { unit = "m" })
 scene:output("frames", { surface = 0.3 * cell, surface_look = "water", surface_absorption = { 8, 45, 220 }, surface_index = 1.49,
   color = "none", from = { 0.1, -0.4, 0.2 }, look_at = { 0, 0, 0.075 }, ground_height = 0, fov = 22 })
 return scene

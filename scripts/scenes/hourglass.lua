@@ -47,6 +47,6 @@ local function quarters(s)
   return fallen
 end
 scene:measure("fallen", quarters)
-scene:measure("rate", function() return at[3] and at[3] > at[1] and n / 2 / (at[3] - at[1]) or 0 end) -- grains a second
+scene:measure("rate", function() return at[3] and at[3] > at[1] and n / 2 / (at[3] - at[1]) or 0 end, { unit = "1/s" }) -- grains a second
 scene:output("frames", { color = "tint", radius = R, from = { 0.3, -1.6, 0.5 }, look_at = { 0, 0, 0.33 } })
 return scene

@@ -33,21 +33,21 @@ scene:force("buoyancy", { of = "melt", ambient = 277, beta = 2e-4, lighter = 0.0
 filling.tank(scene, low, high)
 scene:corrector("liquid", { low = low, high = high, cell = cell, density = density, viscosity_of = "melt" })
 
-scene:measure("ice", function(s) -- kg that are solid
+scene:measure("ice", function(s) -- that are solid
   local sum = 0
   for _, id in ipairs(cold) do sum = sum + water.mass * (1 - s:field("molten", id)) end
   return sum
-end)
-scene:measure("height", function(s) -- m, of the middle of what was ice
+end, { unit = "kg" })
+scene:measure("height", function(s) -- of the middle of what was ice
   local z = 0
   for _, id in ipairs(cold) do z = z + s:position(id)[3] / #cold end
   return z
-end)
-scene:measure("heat", function(s) -- J
+end, { unit = "m" })
+scene:measure("heat", function(s)
   local sum = 0
   for _, id in ipairs(ids) do sum = sum + water.mass * s:channel("enthalpy", id) end
   return sum
-end)
+end, { unit = "J" })
 scene:output("frames", { color = "enthalpy", range = { -21e3, 503e3 }, unit = "J/kg", map = "cividis", reverse = true, fade = "seen",
   radius = 0.32 * cell, obstacles = false, from = { 0.2, -0.36, 0.17 }, look_at = { 0, 0, 0.045 }, ground_height = 0, fov = 22 })
 return scene

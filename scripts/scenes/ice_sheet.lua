@@ -57,7 +57,7 @@ scene:measure("fallen", function(s) -- particles of the ice
   for _, id in ipairs(ids) do count = count + (s:position(id)[3] < up / 2 and 1 or 0) end
   return count
 end)
-scene:measure("lantern", function(s) return s:position(lantern)[3] end) -- m, its height
+scene:measure("lantern", function(s) return s:position(lantern)[3] end, { unit = "m" }) -- its height
 heat.measure_balance(scene, ids)
 scene:output("frames", { color = "enthalpy", range = { -7000, 330e3 }, unit = "J/kg", map = "viridis", size = "radius",
   from = { 0.55, -0.95, 0.55 }, look_at = { 0, 0, 0.17 }, ground_height = 0, fov = 28 })

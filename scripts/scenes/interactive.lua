@@ -15,7 +15,7 @@ scene:force("springs", { edges = flag:structural(), k = k, damping = 0.02, label
 scene:force("springs", { edges = flag:shear(), k = 0.3 * k, damping = 0.01, label = "shear" })
 scene:force("springs", { edges = flag:flexion(), k = 0.01 * k, label = "flexion" })
 
-scene:measure("free corner", function(s) return s:position(flag:at(N, 1))[3] end)
+scene:measure("free corner", function(s) return s:position(flag:at(N, 1))[3] end, { unit = "m" })
 scene:measure("stretch", function(s) return s:strain("structural") end)
 scene:output("frames", { width = 960, height = 720, color = "none", plain = { 0.25, 0.45, 0.7 }, from = { 0.9, -2.8, 0.8 },
   look_at = { 0.45, 0, 0.4 } })

@@ -39,7 +39,7 @@ scene:force("volume", { triangles = knot:triangles(), k = 2e4, damping = 20, lab
 scene:force("drag", { rate = 1 })
 drape.contact(scene, contact, { radius = radius, thickness = radius, friction = 0.3 })
 
-scene:measure("lowest", drape.lowest(knot:ids()))
+scene:measure("lowest", drape.lowest(knot:ids()), { unit = "m" })
 scene:output("frames", { color = "group", thickness = radius, particles = "off",
   from = { 1.1, -1.8, 1.3 }, look_at = { 0, 0, 0.4 }, fov = 27, ground_height = -0.1 })
 return scene

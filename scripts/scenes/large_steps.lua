@@ -30,7 +30,7 @@ scene:measure("lowest", function(s)
   local z = 0
   for _, id in ipairs(cloth:ids()) do z = math.min(z, s:position(id)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 960, height = 720, color = "none", plain = { 0.62, 0.32, 0.36 }, from = { 1.1, -1.9, 0.9 },
   look_at = { 0, 0, -0.12 }, ground_height = -0.5 })
 return scene

@@ -29,11 +29,11 @@ scene:force("grid_conduction", { low = { 0, 0, 0 }, high = high, cell = cell, de
   conductivity = 600, conductivity_liquid = 400, channel = "enthalpy", account = "given" })
 scene:corrector("liquid", { low = { 0, 0, 0 }, high = high, cell = cell, density = density, viscosity_of = "melt" })
 
-scene:measure("front", function(s) -- m, of the farthest
+scene:measure("front", function(s) -- of the farthest
   local x = 0
   for id = 1, s.n do x = math.max(x, s:position(id)[1]) end
   return x
-end)
+end, { unit = "m" })
 scene:measure("molten", function(s) -- part of the lava
   local sum = 0
   for id = 1, s.n do sum = sum + s:field("molten", id) / s.n end

@@ -32,7 +32,7 @@ for k, foot in ipairs { lamp.heel, lamp.toe } do
   scene:force("central", { only = { foot }, per = "particle", strength = lamp.hold(leaves, lands), center = function(t)
     return t > (leaves + lands) / 2 and x + far or x, 0, 0
   end })
-  scene:measure(name, function(s) return s:position(foot)[3] end)
+  scene:measure(name, function(s) return s:position(foot)[3] end, { unit = "m" })
   for knot = 28, 34 do scene:goal { measure = name, min = height, at = (knot - 1) / 30 } end
   scene:goal { particle = foot, position = { x + far, 0, 0 }, velocity = { 0, 0, 0 }, at = lands }
 end

@@ -41,7 +41,7 @@ local function goal(name, get, direction, particle, of, value, at)
   scene:measure(name, function(s)
     local x, from = s[get](s, particle), of and s[get](s, of) or get == "position" and o or { 0, 0, 0 }
     return (x[1] - from[1]) * d[1] + (x[3] - from[3]) * d[3]
-  end)
+  end, { unit = "m" })
   scene:goal { measure = name, value = value, at = at }
 end
 for k, foot in ipairs(feet) do

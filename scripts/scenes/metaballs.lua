@@ -25,7 +25,7 @@ scene:measure("lowest", function(s)
     for _, i in ipairs(body:ids()) do z = math.min(z, s:position(i)[3]) end
   end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "none", springs = "off", particles = "off", from = { 0.8, -4.2, 1.1 },
-  look_at = { 0, 0, 0.4 }, fov = 28, ground_height = 0 })
+  look_at = { 0, 0, 0.42 }, fov = 21, ground_height = 0 })
 return scene

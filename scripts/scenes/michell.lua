@@ -23,7 +23,7 @@ scene:force("springs", { edges = edges, k = axial / length })
 scene:force("rods", { edges = edges, EI = EI, GJ = ratio * EI, rest = "straight", turn = turn })
 scene:force("drag", { rate = 0.3 })
 
-scene:measure("turn", function(s) return turn(s.t) end)
+scene:measure("turn", function(s) return turn(s.t) end, { unit = "rad" })
 scene:measure("out of plane", function(s)
   local low, high = math.huge, -math.huge
   for _, id in ipairs(ring:ids()) do
@@ -31,7 +31,7 @@ scene:measure("out of plane", function(s)
     low, high = math.min(low, z), math.max(high, z)
   end
   return high - low
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 960, height = 720, radius = 0.04, color = "none", from = { 1.8, -4.6, 2.2 }, look_at = { 0, 0, 0 },
-  ground_height = -1.5 })
+  fov = 21, ground_height = -1.5 })
 return scene

@@ -23,7 +23,7 @@ scene:measure("lowest", function(s)
   local z = 1
   for _, i in ipairs(s:ids()) do z = math.min(z, s:position(i)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "group", thickness = radius, particles = "off",
   from = { 1.1, -1.8, 1.2 }, look_at = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
 return scene

@@ -13,10 +13,10 @@ scene:exact(function(t) -- Kepler's equation E - e sin E = t by Newton's method
   for _ = 1, 50 do E = E - (E - e * math.sin(E) - t) / (1 - e * math.cos(E)) end
   return math.cos(E) - e, math.sqrt(1 - e * e) * math.sin(E), 0
 end)
-scene:measure("energy", function(s) return s:energy() end)
+scene:measure("energy", function(s) return s:energy() end, { unit = "J" })
 scene:measure("distance", function(s)
   local x = s:position(p)
   return math.sqrt(x[1] ^ 2 + x[2] ^ 2)
-end)
+end, { unit = "m" })
 scene:output("table")
 return scene

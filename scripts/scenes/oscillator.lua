@@ -19,6 +19,6 @@ else
   scene:exact(function(t) return t, math.sin(t), 0 end)
 end
 
-scene:measure("y", function(s) return s:position(p)[2] end)
-scene:measure("energy", function(s) return s:energy() end)
+scene:measure("y", function(s) return s:position(p)[2] end, { unit = "m" })
+scene:measure("energy", function(s) return s:energy() end, { unit = "J" })
 return scene

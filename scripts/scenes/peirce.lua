@@ -22,7 +22,7 @@ local function ribbon(part, place)
   scene:measure(("angle at w L^3/EI = %.4g"):format(density * g * L ^ 3 / EI), function(s)
     local p = s:position(tip)
     return math.deg(math.atan(-p[3], p[1]))
-  end)
+  end, { unit = "degrees" })
 end
 
 for k, part in ipairs { 0.4, 0.7, 1, 1.3, 1.6 } do ribbon(part, 0.022 * k) end

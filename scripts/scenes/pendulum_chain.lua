@@ -17,13 +17,13 @@ scene:pin { ids[0] }
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:constraint("bars", { edges = edges })
 
-scene:measure("tension", function(s) return s:constraint_forces("bars")[1] end)
+scene:measure("tension", function(s) return s:constraint_forces("bars")[1] end, { unit = "N" })
 scene:measure("tip speed", function(s)
   local v = s:velocity(ids[n])
   return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
-end)
-scene:measure("height", function(s) return s:position(ids[n])[3] end)
-scene:measure("energy", function(s) return s:energy() end)
+end, { unit = "m/s" })
+scene:measure("height", function(s) return s:position(ids[n])[3] end, { unit = "m" })
+scene:measure("energy", function(s) return s:energy() end, { unit = "J" })
 scene:output("frames", { width = 960, height = 720, color = "speed", range = { 0, 8 }, radius = 0.02,
   from = { 0, -4.6, -0.4 }, look_at = { 0, 0, -0.6 }, ground_height = -1.7 })
 return scene

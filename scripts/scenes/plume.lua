@@ -15,7 +15,7 @@ scene:corrector("obstacle", { shape = "sphere", size = { 0.3, 0.3, 0.3 }, positi
 scene:corrector("gas", { low = { -0.5, -0.5, 0 }, high = { 0.5, 0.5, 1.6 }, cell = cell, open = "sides", ambient = air,
   sources = { vent }, source_radius = 0.09, source_temperature = air + warm, source_smoke = 3e-3, confinement = whirls })
 
-scene:measure("height", function(s) return s:position(tracer)[3] end)
+scene:measure("height", function(s) return s:position(tracer)[3] end, { unit = "m" })
 scene:output("frames", { width = 720, height = 960, smoke = 8700, color = "none", particles = "off",
   plain = { 0.75, 0.3, 0.2 }, from = { 0.6, -3.4, 0.95 }, look_at = { 0, 0, 0.76 }, ground_height = 0, light = "night" })
 return scene

@@ -47,7 +47,7 @@ scene:measure("lowest", function(s)
   local z = math.huge
   for _, id in ipairs(s:ids()) do z = math.min(z, s:position(id)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:output("frames", { surface = R, surface_of = "water", surface_look = "water", surface_absorption = { 12, 2.5, 0.9 },
   color = "none", from = { 0.24, -1.12, 0.6 }, look_at = { -0.01, 0, 0.185 }, ground_height = 0, fov = 26 })
 return scene

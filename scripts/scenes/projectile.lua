@@ -13,7 +13,7 @@ scene:exact(function(t)
   local e = (1 - math.exp(-rate * t)) / rate
   return 10 * e, 0, (10 + g / rate) * e - g / rate * t
 end)
-scene:measure("range", function(s) return s:position(p)[1] end)
-scene:measure("height", function(s) return s:position(p)[3] end)
+scene:measure("range", function(s) return s:position(p)[1] end, { unit = "m" })
+scene:measure("height", function(s) return s:position(p)[3] end, { unit = "m" })
 scene:output("table")
 return scene

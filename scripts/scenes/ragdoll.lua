@@ -48,8 +48,8 @@ scene:measure("beyond", function(s)
   local most = 0
   for _, h in ipairs(hinges) do most = math.max(most, h.lower - h.joint:angle(s), h.joint:angle(s) - h.upper) end
   return most
-end)
-scene:measure("height", function(s) return chest:position(s)[3] end)
+end, { unit = "rad" })
+scene:measure("height", function(s) return chest:position(s)[3] end, { unit = "m" })
 scene:output("frames", { width = 960, height = 720, legend = false, from = { 2.2, -4.2, 1.4 }, look_at = { 0.6, 0, 0.1 },
   particles = "off", springs = "off", tube = 0.001 })
 return scene

@@ -32,7 +32,7 @@ scene:pin(upper, { release = 1.2, path = function(t) return 0, 0, -R * turned(t)
 scene:force("drag", { rate = 1 })
 drape.contact(scene, contact, { thickness = thickness, friction = friction })
 
-scene:measure("height of the upper edge", function(s) return s:position(upper[1])[3] end)
+scene:measure("height of the upper edge", function(s) return s:position(upper[1])[3] end, { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.45, 0.6, 0.4 }, thickness = thickness, particles = "off",
   from = { 0.9, -1.5, 0.85 }, look_at = { 0, 0, 0.3 }, fov = 40, ground_height = -0.6 })
 return scene

@@ -42,6 +42,6 @@ scene:measure("slope", function(s) -- degrees: a cone's mean height and distance
     if at[3] < up / 2 then z, p = z + at[3] - R, p + math.sqrt(at[1] ^ 2 + at[2] ^ 2) end
   end
   return p > 0 and math.deg(math.atan(2 * z, p)) or 0
-end)
+end, { unit = "degrees" })
 scene:output("frames", { color = "tint", radius = R, from = { 0.6, -1.1, 0.55 }, look_at = { 0, 0, 0.19 } })
 return scene

@@ -56,7 +56,7 @@ scene:measure("balance", function(s) -- kg: the content of all by their masses, 
   local sum = 0
   for k, id in ipairs(ids) do sum = sum + (k > #sea.positions and sand.mass or sea.mass) * s:channel("water", id) end
   return sum
-end)
+end, { unit = "kg" })
 scene:output("frames", { surface = 0.3 * cell, surface_of = "sea", particles = "on", fade = "seen", color = "tint",
   radius = 0.32 * cell, obstacles = false, from = { 1.25, -0.85, 0.6 }, look_at = { 0.5, 0.16, 0.05 }, ground_height = 0, fov = 30 })
 return scene

@@ -7,6 +7,6 @@ local p = scene:particle { position = { 0, -2, 0 }, velocity = { 1, 0, 0 }, mass
 scene:force("central", { center = { 0, 0, 0 }, axis = { 1, 0, 0 }, strength = k, power = 1 })
 
 scene:exact(function(t) return t, -2 * math.cos(math.sqrt(k) * t), 0 end)
-scene:measure("y", function(s) return s:position(p)[2] end)
+scene:measure("y", function(s) return s:position(p)[2] end, { unit = "m" })
 scene:output("table")
 return scene

@@ -22,14 +22,14 @@ scene:force("gravity", { g = { 0, 0, -9.81 } })
 filling.tank(scene, { 0, 0, 0 }, high)
 scene:corrector("liquid", { low = { 0, 0, 0 }, high = high, cell = cell, density = 1000 })
 
-scene:measure("height", function(s) return stone:position(s)[3] - level end) -- m, above the water
-scene:measure("way", function(s) return stone:position(s)[1] end)
+scene:measure("height", function(s) return stone:position(s)[3] - level end, { unit = "m" }) -- above the water
+scene:measure("way", function(s) return stone:position(s)[1] end, { unit = "m" })
 local lowest, hop = math.huge, 0
-scene:measure("hop", function(s) -- m, how far it has come up again
+scene:measure("hop", function(s) -- how far it has come up again
   local z = stone:position(s)[3]
   lowest, hop = math.min(lowest, z), math.max(hop, z - lowest)
   return hop
-end)
+end, { unit = "m" })
 scene:output("frames", { surface = 0.4 * cell, surface_cell = 0.4 * cell, surface_of = "water", surface_look = "water",
   surface_absorption = { 4, 1.2, 0.5 }, plain = { 0.4, 0.4, 0.42 }, color = "none", springs = "off", surface_cut = true, obstacles = false,
   width = 1280, height = 400, from = { 1.4, -2.9, 0.95 }, look_at = { 1.35, 0.25, 0.16 }, fov = 17, ground_height = 0 })

@@ -47,6 +47,6 @@ scene:exact(function(t)
   end
   return table.unpack(list)
 end)
-scene:measure("way", function(s) return s:position(sheet:at(1, 1))[1] end)
+scene:measure("way", function(s) return s:position(sheet:at(1, 1))[1] end, { unit = "m" })
 scene:output("table")
 return scene

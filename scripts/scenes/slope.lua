@@ -17,9 +17,9 @@ scene:pin(scene:mesh { vertices = { { -1, -1, 0 }, { 1, -1, 0 }, { 0, 1, 0 } }, 
 
 scene:force("gravity", { g = { 0.5 * g * cos, 0, -g * cos } })
 scene:force("barrier", { d_hat = d_hat, elastic_slip = elastic_slip, friction = friction, stiffness = stiffness })
-scene:measure("way", function(s) return s:position(card:at(3, 2))[1] - 0.045 end)
+scene:measure("way", function(s) return s:position(card:at(3, 2))[1] - 0.045 end, { unit = "m" })
 scene:measure("way by Coulomb", function(s)
   return g * cos * math.max(0, 0.5 - friction) * s.t ^ 2 / 2
-end)
+end, { unit = "m" })
 scene:output("table")
 return scene

@@ -26,7 +26,7 @@ scene:measure("height", function(s)
   local sum = 0
   for _, id in ipairs(s:ids()) do sum = sum + s:position(id)[3] end
   return s.n > 0 and sum / s.n or 0
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 250, hot },
   map = "grey", style = "soft", size = "radius", opacity = 0.12, from = { 1.2, -9.5, 2 }, look_at = { 2.1, 0, 2.1 },
   ground_height = 0 })

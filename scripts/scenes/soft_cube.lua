@@ -26,6 +26,6 @@ local middle = cube:at((n + 1) // 2, (n + 1) // 2, (n + 1) // 2)
 scene:measure("way along the slope", function(s)
   local x, from = s:position(middle), at(0.15 + size / 2, 0.03 + size / 2)
   return (x[1] - from[1]) * down[1] + (x[3] - from[3]) * down[3]
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 1280, height = 720, ground_height = -0.06 })
 return scene

@@ -31,7 +31,7 @@ scene:measure("lowest", function(state)
   local low = math.huge
   for id = 1, n do low = math.min(low, state:position(id)[3]) end
   return low
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 1280, height = 720, color = "speed", range = { 0, 8 }, map = "fire", style = "glow",
   streak = 0.02, radius = 0.008, ground_height = 0, from = { 0.4, -6, 2 }, look_at = { 0.9, 0, 0.9 } })
 return scene

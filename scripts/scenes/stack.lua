@@ -23,7 +23,7 @@ scene:measure("height of the stack", function(s)
   local sum, ids = 0, top:ids()
   for _, i in ipairs(ids) do sum = sum + s:position(i)[3] end
   return sum / #ids
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "group", thickness = thickness, from = { 0.75, -1.1, 0.55 }, look_at = { 0, 0, 0.04 },
   fov = 26, ground_height = 0 })
 return scene

@@ -24,6 +24,6 @@ scene:measure("lowest", function(s)
   local z = 0
   for i = 1, N do z = math.min(z, s:position(cloth:at(i, 1))[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:measure("stretch", function(s) return s:strain("structural") end)
 return scene

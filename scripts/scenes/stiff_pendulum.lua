@@ -12,10 +12,10 @@ scene:pin { pivot }
 scene:force("gravity", { g = { 0, 0, -1 } })
 scene:force("springs", { edges = { { pivot, weight } }, k = k, rest = 1 })
 
-scene:measure("x", function(s) return s:position(weight)[1] end)
-scene:measure("z", function(s) return s:position(weight)[3] end)
-scene:measure("vx", function(s) return s:velocity(weight)[1] end)
-scene:measure("vz", function(s) return s:velocity(weight)[3] end)
+scene:measure("x", function(s) return s:position(weight)[1] end, { unit = "m" })
+scene:measure("z", function(s) return s:position(weight)[3] end, { unit = "m" })
+scene:measure("vx", function(s) return s:velocity(weight)[1] end, { unit = "m/s" })
+scene:measure("vz", function(s) return s:velocity(weight)[3] end, { unit = "m/s" })
 scene:measure("stretch", function(s) return s:strain("springs") end)
 scene:output("frames", { width = 960, height = 720, color = "speed", range = { 0, 1.5 }, radius = 0.07,
   from = { 0.9, -4.6, 0.35 }, look_at = { 0, 0, -0.55 }, ground_height = -1.25 })

@@ -31,11 +31,11 @@ scene:measure("sag", function(s)
   local z = 0
   for i = 1, n do z = math.min(z, s:position(string:at(i))[3]) end
   return -z
-end)
+end, { unit = "m" })
 scene:measure("pull", function(s) -- force on the hook at the origin, with half the weight of its particle
   local f = s:force("string", string:at(1))
   return math.sqrt(f[1] ^ 2 + f[2] ^ 2 + (f[3] - mass * g / 2) ^ 2)
-end)
+end, { unit = "N" })
 scene:measure("stretch", function(s) return s:strain("string") end)
 scene:output("frames", { width = 1280, height = 720, color = "speed", radius = 0.012, particles = "on",
   from = { 0.1, -1.6, 0.4 }, look_at = { 0.5, 0, -0.08 }, ground_height = -0.42 })

@@ -14,5 +14,5 @@ scene:force("springs", { edges = chain:structural(), k = k, damping = damping })
 
 scene:output("frames", { width = 960, height = 720 })
 scene:measure("stretch", function(s) return s:strain("springs") end)
-scene:measure("tip height", function(s) return s:position(chain:at(n))[3] end)
+scene:measure("tip height", function(s) return s:position(chain:at(n))[3] end, { unit = "m" })
 return scene

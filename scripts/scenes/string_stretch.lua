@@ -25,7 +25,7 @@ for k, name in ipairs { "soft", "stiff", "bars" } do
       a = b
     end
     return sum
-  end)
+  end, { unit = "m" })
 end
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:force("drag", { rate = drag })

@@ -20,12 +20,12 @@ local function along(s) -- distance from the hook, and its rate
   local r = math.sqrt(x[1] ^ 2 + x[2] ^ 2 + x[3] ^ 2)
   return r, (x[1] * v[1] + x[2] * v[2] + x[3] * v[3]) / r
 end
-scene:measure("distance", function(s) return (along(s)) end)
-scene:measure("climb", function(s) return select(2, along(s)) end)
+scene:measure("distance", function(s) return (along(s)) end, { unit = "m" })
+scene:measure("climb", function(s) return select(2, along(s)) end, { unit = "m/s" })
 scene:measure("energy", function(s) -- of the swing by mass, from its lowest place at rest, J/kg
   local v, z = s:velocity(rider), s:position(rider)[3]
   return (v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) / 2 + g * (z + length)
-end)
+end, { unit = "J/kg" })
 scene:goal { measure = "energy", value = 1 }
 scene:goal { measure = "distance", value = 2.52 }
 scene:goal { measure = "climb", value = 0 }

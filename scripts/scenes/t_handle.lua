@@ -17,12 +17,12 @@ local handle = scene:rigid { density = 2700, position = { 0, 0, 0.3 }, spin = { 
 scene:measure("spin", function(s)
   local w, R = handle:spin(s), select(2, handle:attitude(s))
   return R[1][1] * w[1] + R[2][1] * w[2] + R[3][1] * w[3]
-end)
-scene:measure("kinetic energy", function(s) return handle:energy(s) end)
+end, { unit = "rad/s" })
+scene:measure("kinetic energy", function(s) return handle:energy(s) end, { unit = "J" })
 scene:measure("angular momentum", function(s)
   local L = handle:angular_momentum(s)
   return math.sqrt(L[1] ^ 2 + L[2] ^ 2 + L[3] ^ 2)
-end)
-scene:output("frames", { width = 960, height = 720, legend = false, ground_height = 0,
-  from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 } })
+end, { unit = "kg m^2/s" })
+scene:output("frames", { width = 960, height = 540, legend = false, ground_height = 0,
+  from = { 0.45, -0.9, 0.55 }, look_at = { 0.02, 0, 0.3 }, fov = 18 })
 return scene

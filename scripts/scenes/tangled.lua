@@ -39,7 +39,7 @@ scene:body { shape = "plane", size = 2, position = { 0.3, 0, 0 } }
 scene:corrector("contact", { thickness = thickness, friction = 0.3 })
 if frees > 0 then scene:corrector("untangle", { thickness = thickness }) end
 
-scene:measure("lowest", drape.lowest(cloth:ids()))
+scene:measure("lowest", drape.lowest(cloth:ids()), { unit = "m" })
 scene:output("frames", { color = "none", thickness = thickness, from = { 0.9, -1.5, 0.75 },
   look_at = { 0.3, 0, 0.2 }, fov = 27, ground_height = 0 })
 return scene

@@ -42,7 +42,7 @@ local function wire(curve, name)
       before[k] = x
     end
     return #times == #list and math.max(table.unpack(times)) - math.min(table.unpack(times)) or 0
-  end)
+  end, { unit = "s" })
   for _, id in ipairs(list) do beads[#beads + 1] = id end
   return list
 end

@@ -36,13 +36,13 @@ scene:force("springs", { edges = { { lower[middle], weight } }, k = k })
 scene:constraint("bars", { edges = edges })
 
 local largest = 0
-scene:measure("pull", function(s) return s:force("springs", weight)[3] end)
+scene:measure("pull", function(s) return s:force("springs", weight)[3] end, { unit = "N" })
 scene:measure("largest pull, weights", function(s)
   largest = math.max(largest, s:force("springs", weight)[3] / (m * g))
   return largest
 end)
 for _, name in ipairs { "lower " .. middle, "upper " .. middle, "rising 1", "rising " .. middle } do
-  scene:measure(name, function(s) return s:constraint_forces("bars")[number[name]] end)
+  scene:measure(name, function(s) return s:constraint_forces("bars")[number[name]] end, { unit = "N" })
 end
 scene:output("frames", { width = 1280, height = 640, color = "group", size = "mass", radius = 0.11,
   from = { 3, -7, 0.6 }, look_at = { 3, 0, 0 }, ground_height = -1.3 })

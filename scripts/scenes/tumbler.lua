@@ -43,20 +43,20 @@ scene:force("gravity", { g = { 0, 0, -9.81 } })
 scene:corrector("obstacle", { shape = "mesh", vertices = flat(vertices), faces = flat(faces), restitution = 0, label = "glass" })
 scene:corrector("liquid", { low = { -half, -half, 0 }, high = { half, half, top }, cell = cell, density = 1000 })
 
-scene:measure("poured", function(s) return 1000 * s.n * mass end) -- g, that is there
-scene:measure("spilt", function(s) -- g, that is not in the glass or above it
+scene:measure("poured", function(s) return 1000 * s.n * mass end, { unit = "g" }) -- g, that is there
+scene:measure("spilt", function(s) -- that is not in the glass or above it
   local sum = 0
   for _, id in ipairs(s:ids()) do
     local p = s:position(id)
     if math.sqrt(p[1] ^ 2 + p[2] ^ 2) > R * (1 + 1e-6) or p[3] < bottom - 1e-9 then sum = sum + 1000 * mass end
   end
   return sum
-end)
-scene:measure("middle", function(s) -- m, height of the water's centre of mass
+end, { unit = "g" })
+scene:measure("middle", function(s) -- height of the water's centre of mass
   local sum = 0
   for _, id in ipairs(s:ids()) do sum = sum + s:position(id)[3] end
   return sum / s.n
-end)
+end, { unit = "m" })
 scene:output("frames", { surface = 0.35 * cell, surface_cell = 0.25 * cell, surface_of = "water", surface_look = "water",
   surface_absorption = { 12, 3, 1 }, color = "none", surface_cut = true, obstacle_opacity = 0.15,
   from = { 0.12, -0.44, 0.2 }, look_at = { 0, 0, 0.06 }, ground_height = 0, fov = 18 })

@@ -38,7 +38,7 @@ scene:measure("rate", function() return when > 0 and round / when / Q or 1 end)
 scene:measure("off", function(s)
   local x = first.body:position(s)
   return math.sqrt((x[1] - first.center[1]) ^ 2 + (x[2] - first.center[2]) ^ 2) - 0.15 / Q
-end)
+end, { unit = "m" })
 scene:output("frames", { width = 960, height = 720, legend = false, from = { 0.4, -3.6, 2.6 }, look_at = { 0, 0, -0.1 },
   ground_height = -0.4 })
 return scene

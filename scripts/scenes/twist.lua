@@ -27,7 +27,7 @@ scene:measure("width in the middle", function(s)
     r = math.max(r, math.sqrt(p[2] ^ 2 + p[3] ^ 2))
   end
   return 2 * r
-end)
+end, { unit = "m" })
 scene:output("frames", { color = "none", plain = { 0.75, 0.35, 0.3 }, thickness = thickness, particles = "off",
   from = { 0.35, -1.6, 0.5 }, look_at = { 0, 0, 0 }, fov = 26, ground_height = -0.35 })
 return scene

@@ -40,7 +40,7 @@ scene:force("wind", { friction = 0.02, velocity = function(t)
   return 0.3 * speed * math.sin(1.3 * t), speed * gust * (1 - math.exp(-2 * t)), 0
 end })
 
-scene:measure("sag", function(s) return top - s:position(line:at((n + 1) // 2))[3] end)
+scene:measure("sag", function(s) return top - s:position(line:at((n + 1) // 2))[3] end, { unit = "m" })
 scene:measure("peg", function(s)
   local most = 0
   for _, b in ipairs(pegs) do
@@ -48,7 +48,7 @@ scene:measure("peg", function(s)
     most = math.max(most, math.acos(math.min(1, R[3][3])))
   end
   return most
-end)
+end, { unit = "rad" })
 scene:output("frames", { width = 960, height = 540, color = "none", legend = false, from = { 0.3, -2.1, 1.3 },
   look_at = { length / 2, 0.1, 1.3 }, ground_height = 0.3, tube = 0.004 })
 return scene

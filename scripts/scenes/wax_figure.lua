@@ -29,11 +29,11 @@ scene:force("melt", { channel = "enthalpy", material = "wax", viscosity = 0.05, 
 scene:corrector("liquid", { low = { -half, -half, 0 }, high = { half, half, top }, cell = cell, density = density,
   viscosity_of = "melt" })
 
-scene:measure("height", function(s) -- m, of the highest particle
+scene:measure("height", function(s) -- of the highest particle
   local z = 0
   for _, id in ipairs(ids) do z = math.max(z, s:position(id)[3]) end
   return z
-end)
+end, { unit = "m" })
 scene:measure("molten", function(s) -- part of the wax
   local sum = 0
   for _, id in ipairs(ids) do sum = sum + s:field("molten", id) / #ids end

@@ -37,7 +37,7 @@ for k, angle in ipairs { 45, 90, 135 } do
       top = math.max(top, p[3] + dx / 2)
     end
     return math.deg(2 * math.atan(2 * top, high - low + dx))
-  end)
+  end, { unit = "degrees" })
 end
 scene:force("sph", common { c = c })
 scene:force("viscosity", common { mu = 0.05 * density * c * dx, slip = true })

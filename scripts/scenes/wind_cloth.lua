@@ -24,9 +24,9 @@ scene:force("wind", { friction = 0.02, velocity = function(t)
   return speed * gust * math.cos(turn), speed * gust * math.sin(turn), 0
 end })
 
-scene:measure("tip x", function(s) return s:position(flag:at(M, 1))[1] end)
-scene:measure("tip y", function(s) return s:position(flag:at(M, 1))[2] end)
-scene:measure("tip z", function(s) return s:position(flag:at(M, 1))[3] end)
+scene:measure("tip x", function(s) return s:position(flag:at(M, 1))[1] end, { unit = "m" })
+scene:measure("tip y", function(s) return s:position(flag:at(M, 1))[2] end, { unit = "m" })
+scene:measure("tip z", function(s) return s:position(flag:at(M, 1))[3] end, { unit = "m" })
 scene:measure("stretch", function(s) return s:strain("structural") end)
 scene:output("frames", { width = 1280, height = 720, color = "none",
   from = { 1.5, -3.3, 1.05 }, look_at = { 0.72, 0, 0.42 }, ground_height = -0.4 })

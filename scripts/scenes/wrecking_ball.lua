@@ -32,7 +32,7 @@ scene:force("gravity", { g = { 0, 0, -g } })
 scene:corrector("contact", { thickness = thickness, friction = mu })
 
 scene:measure("displaced", wall.displaced)
-scene:measure("speed of the ball", function(s) return math.sqrt(2 * ball:energy(s) / ball.mass) end)
+scene:measure("speed of the ball", function(s) return math.sqrt(2 * ball:energy(s) / ball.mass) end, { unit = "m/s" })
 scene:output("frames", { width = 960, height = 540, legend = false, particles = "off",
   from = { 1.5, -1.3, 0.8 }, look_at = { 0, -0.15, 0.35 }, springs = "off", tube = 0.001 })
 return scene

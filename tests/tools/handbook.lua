@@ -124,6 +124,17 @@ for name in read("builders/implicit.c"):match("common%[%] = .-none%[%]"):gmatch(
 end
 compare("implicit", keys_of("scene:implicit"), list)
 
+-- ---- what is said of commands is of commands that there are ----
+
+local commands = {}
+for name in output_of("'%s/hooke' --help", build):gmatch("\n  hooke ([%a_]+)") do commands[name] = true end
+local told = 0
+for name in assert(files.read(root .. "/scripts/handbook/commands.md")):gmatch("\n## ([^\n]+)") do
+  assert(commands[name], "scripts/handbook/commands.md: there is no command " .. name)
+  told = told + 1
+end
+assert(told > 15, told)
+
 -- ---- examples, help ----
 
 local place = output_of("mktemp -d"):gsub("%s", "")

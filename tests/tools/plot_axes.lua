@@ -75,6 +75,11 @@ assert(text:find("set yrange [0:1.56]", 1, true), text) -- 1.5, and 4 % of what 
 assert(text:find("set xtics ('10^{0}' 1, '10^{1}' 10)", 1, true), text)
 local first, second = text:match("'rises' at graph [%d.]+, first ([%d.]+).-'falls' at graph [%d.]+, first ([%d.]+)")
 assert(first and first - second >= 0.04 * 1.56 - 1e-6 and text:find("unset key", 1, true), text)
+-- A logarithmic axis ends 4 % beyond its data, not at the next powers of ten.
+local wide = script { title = "wide", x = { log = true }, y = { log = true }, curves = { { points = { { 100, 20 }, { 1e6, 4e4 } } } } }
+for axis, range in pairs { x = { 100 / 1e4 ^ 0.04, 1e6 * 1e4 ^ 0.04 }, y = { 20 / 2000 ^ 0.04, 4e4 * 2000 ^ 0.04 } } do
+  assert(wide:find(("set %srange [%.9g:%.9g]"):format(axis, range[1], range[2]), 1, true), wide)
+end
 text = script { title = "fixed", y = { max = 1.2, fixed = true }, curves = curves }
 assert(text:find("fixed (2 points outside)", 1, true), text)
 text = script { title = "some have no logarithm", x = { log = true }, curves = { { points = { { 0, 1 }, { 1, 2 }, { 9, 3 } } } } }

@@ -3,6 +3,7 @@
 // left behind goes with it.
 "use strict";
 const PLACE = "/hooke/"; // where the files are that the engine looks for: a build of hooke
+const KEPT = "/kept.checkpoint";
 const OK = 0;
 
 class Engine {
@@ -74,6 +75,18 @@ class Engine {
   }
 
   hold(id, place, strength) { this.module._page_hold(id, ...place, strength); }
+
+  // What a run needs to go on from here, as bytes; or an error with the sentence of why not.
+  checkpoint() {
+    if (this.call("hooke_checkpoint", ["string"], [KEPT]) !== OK) throw new Error(this.plain(this.error()));
+    return this.module.FS.readFile(KEPT);
+  }
+
+  // Options of a run that goes on from it with other values of parameters, in another instance of the module.
+  resumed(bytes, changed) {
+    this.module.FS.writeFile(KEPT, bytes);
+    return [["resume", KEPT], ...Object.entries(changed).map(([name, value]) => ["change", `${name}=${value}`])];
+  }
 
   // The state as a table, as --state writes it.
   state() {

@@ -8,7 +8,7 @@ hooke.history = (() => {
 
   // R of plugins/common/live/messages.h, with what the page knows of fields (tools/common/view/shared.lua).
   const runOf = (text, title, kinds) => {
-    const run = { title, origin: [0, 0, 0], fields: [], measures: [], marks: [], groups: [] };
+    const run = { title, origin: [0, 0, 0], fields: [], measures: [], units: [], marks: [], groups: [] };
     for (const line of text.split("\n")) {
       const [key, value, more, kind] = line.split("\t");
       if (key === "fps") run.fps = Number(value);
@@ -17,24 +17,53 @@ hooke.history = (() => {
         components: Number(more), ...kinds[kind] });
       else if (key === "mark") run.marks.push({ name: value, kind: more });
       else if (key === "group") run.groups.push(value);
-      else if (key === "measure") run.measures.push(value);
+      else if (key === "measure") {
+        run.measures.push(value);
+        run.units.push(more);
+      }
     }
     return run;
   };
 
   class History {
     constructor(number, title, kinds) {
-      Object.assign(this, { number, title, kinds, documents: new Map(), frames: 0, stride: 1, size: 0, kept: new Map(), numbers: [], latest: -1, topologies: 0 });
+      Object.assign(this, { number, title, kinds, documents: new Map(), frames: 0, stride: 1, size: 0, kept: new Map(), numbers: [], latest: -1, topologies: 0,
+        before: 0, told: {}, going: false });
+    }
+
+    // The run goes on in another instance, which tells anew what there is, and counts its topologies anew.
+    goOn() { Object.assign(this, { before: this.topologies, going: true }); }
+
+    // Whether what a run that goes on tells first is what the page has.
+    has(letter, body) {
+      const old = new Uint8Array(this.told[letter] || 0), now = new Uint8Array(body);
+      return old.length === now.length && old.every((byte, k) => byte === now[k]);
+    }
+
+    // Topologies of an instance by the run's own count.
+    counted(body, place) {
+      const [number] = new Uint32Array(body, 4 * place, 1);
+      new Uint32Array(body, 4 * place, 1)[0] = this.before + number;
+      return this.before + number;
     }
 
     put(name, body) { this.documents.set(name, body); }
 
+    // False: a run that goes on has other things to tell than the page knows.
     hear(letter, body) {
+      const first = letter === "R" || letter === "S";
+      if (first && this.going) return this.has(letter, body);
+      if (first) this.told[letter] = body;
+      if (letter === "N" || letter === "F") this.going = false;
       if (letter === "R") this.put(`run/${this.number}`, runOf(new TextDecoder().decode(body), this.title, this.kinds));
       else if (letter === "S") this.put(`solids/${this.number}`, body);
-      else if (letter === "T") this.put(`topology/${this.number}/${new Uint32Array(body, 0, 1)[0]}`, body);
+      else if (letter === "T") this.put(`topology/${this.number}/${(this.topologies = this.counted(body, 0))}`, body);
       else if (letter === "N") this.numbers[this.frames++] = new Uint8Array(body);
-      else if (letter === "F") this.keep(body);
+      else if (letter === "F") {
+        this.counted(body, 1);
+        this.keep(body);
+      }
+      return true;
     }
 
     forget(k) {

@@ -9,9 +9,18 @@
 typedef struct page {
   const hk_host *host;
   const hk_hand *hand;
+  double origin[3]; /* m, of positions in messages; NAN: the middle of the start */
   hk_gatherer gatherer;
   hk_live_messages out;
 } page;
+
+static const hk_param params[] = {
+    {"x", "m", "origin of the positions in messages; left out: the middle of the start",
+     .number = HK_AT(page, origin[0]), .flags = HK_OPTIONAL},
+    {"y", "m", "see x", .number = HK_AT(page, origin[1]), .flags = HK_OPTIONAL},
+    {"z", "m", "see x", .number = HK_AT(page, origin[2]), .flags = HK_OPTIONAL},
+    {0},
+};
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   page *p = self;
@@ -21,9 +30,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
-  static const double middle[3] = {NAN, NAN, NAN}; /* of the start */
   page *p = self;
-  if (!hk_live_open(&p->out, 0, middle)) return p->host->fail(p->host, HK_NO_MEMORY, "no memory for the messages");
+  if (!hk_live_open(&p->out, 0, p->origin)) return p->host->fail(p->host, HK_NO_MEMORY, "no memory for the messages");
   hk_status status = hk_gatherer_open(&p->gatherer, view, frame, &(hk_tuples){0}, false);
   if (status == HK_OK) hk_live_send_run(&p->out, &p->gatherer.data, frame);
   p->gatherer.dirty = true; /* its topology is told with its first frame */
@@ -72,6 +80,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .summary = "tells the page that runs the scene what happens",
     .reference = "",
     .instance_size = sizeof(page),
+    .params = params,
     .create = create,
     .destroy = destroy,
     .topology = topology,

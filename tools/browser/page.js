@@ -93,7 +93,7 @@ hooke.page = (() => {
       clearTimeout(this.deadline);
       this.worker(); // the run before ends with its thread
       this.number++;
-      Object.assign(this, { doing: "running", error: undefined, summary: undefined, text: this.editor.text, opened: false });
+      Object.assign(this, { doing: "running", error: undefined, summary: undefined, notice: undefined, text: this.editor.text, opened: false });
       this.complain("");
       this.next = new hooke.history.History(this.number, this.title, this.kinds);
       this.send("pace", { pace: this.pace });
@@ -103,7 +103,10 @@ hooke.page = (() => {
     hear(m) {
       if (m.what === "table") return this.tables.get(m.ask)(m.text);
       if (m.run !== this.number) return;
-      if (m.what === "message") return this.next.hear(m.letter, m.body);
+      if (m.what === "message") {
+        if (!this.next.hear(m.letter, m.body)) this.again("it has other things to tell with this value");
+        return;
+      }
       if (m.what === "piece") this.send("got", { run: m.run });
       if (m.what === "failed") this.ended(`the engine failed: ${m.error}: please report it with the script`);
       if (m.what === "state") this.learn(m);
@@ -111,12 +114,22 @@ hooke.page = (() => {
     }
 
     learn(m) {
-      if (m.parameters) this.show(m.parameters);
+      if (m.going) this.next.goOn();
+      if (m.refused) return this.again(m.refused);
+      if (m.changed) this.parameters = m.parameters.map(ranged);
+      else if (m.parameters) this.show(m.parameters);
       this.doing = m.doing;
       this.judging = m.judging;
       if (m.doing === "ended") clearTimeout(this.deadline);
       if (m.summary) this.summary = m.summary;
       if (m.error) this.complain(this.error = m.error);
+    }
+
+    // From the start, with the values as they now are: the run itself cannot go on with them.
+    again(why) {
+      const because = why.replace(/^.* cannot be gone on from: /, "").replace(/^\S+\.checkpoint /, "its checkpoint ");
+      this.start();
+      this.notice = `another run has begun from its start, as this one cannot go on: ${because}`;
     }
 
     ended(error) {
@@ -148,18 +161,24 @@ hooke.page = (() => {
       return this.link;
     }
 
+    // Whether there is a run that may go on with another value.
+    get under_way() { return this.opened && this.doing !== "ended" && !this.judging && this.history === this.next && this.history.frames > 1; }
+
     // ---- what the view asks for ----
 
     state() {
       const known = this.history.known();
-      return { run: this.history.number, doing: this.doing, restarts: true, ...known, pace: this.pace, error: this.error, values: this.values,
+      return { run: this.history.number, doing: this.doing, notice: this.notice, ...known, pace: this.pace, error: this.error, values: this.values,
         summary: this.summary, parameters: this.parameters };
     }
 
     obey(what, more) {
-      if (what === "start" || what === "change") { // here a run has no checkpoint to go on from
-        Object.assign(this.values, Object.fromEntries(Object.entries(more.values || {}).map(([k, v]) => [k, String(v)])));
-        this.start();
+      if (what === "start" || what === "change") {
+        const changed = Object.fromEntries(Object.entries(more.values || {}).map(([k, v]) => [k, String(v)]));
+        Object.assign(this.values, changed);
+        if (what === "start" || !this.under_way) return this.start();
+        this.notice = undefined;
+        this.send("change", { values: this.values, changed });
       } else if (what === "stop") this.stop();
       else {
         if (what === "pace") this.pace = more.pace;

@@ -17,19 +17,53 @@ class Session {
   state(more) { this.say("state", { doing: this.doing, ...more }); }
 
   heard(letter, body) {
-    if (letter === "R") this.fps = Number(/^fps\t(.*)$/m.exec(new TextDecoder().decode(body))[1]);
+    if (letter === "R") {
+      const text = new TextDecoder().decode(body), told = (key) => Number(new RegExp(`^${key}\t(.*)$`, "m").exec(text)[1]);
+      this.fps = told("fps");
+      this.origin = ["x", "y", "z"].map((axis) => `${axis}=${told(axis)}`).join(",");
+    }
     if (letter === "N") this.frames++;
     this.say("message", { letter, body: body.buffer }, [body.buffer]);
   }
 
   // number: of the run; name, text: of the script; values: of its parameters
   async start({ number, name, text, values }) {
-    const engine = await Engine.open({ wasm: this.wasm, files: this.files, heard: (letter, body) => this.heard(letter, body) });
-    Object.assign(this, { number, engine, frames: 0, ahead: 0, single: false });
-    const wrong = engine.begin(name, text, values, [["no-output", ""], ["with", "force:pull:by_hand=true"], ["with", "output:page"]]);
+    const engine = await this.open();
+    Object.assign(this, { number, name, text, engine, frames: 0, ahead: 0, single: false });
+    const wrong = engine.begin(name, text, values, this.options("output:page"));
     this.doing = wrong ? "ended" : "running";
     if (wrong) return this.state({ error: wrong });
     this.state({ parameters: engine.parameters() });
+    this.clock();
+    this.later();
+  }
+
+  open() { return Engine.open({ wasm: this.wasm, files: this.files, heard: (letter, body) => this.heard(letter, body) }); }
+  options(output) { return [["no-output", ""], ["with", "force:pull:by_hand=true"], ["with", output]]; }
+
+  // Other values from the next frame on: the run is kept, and another instance of the module goes on from there. Where it cannot,
+  // the page is told why. values: all that are given; changed: those of them that are others.
+  async change({ values, changed }) {
+    if (!this.engine || this.doing === "ended") return;
+    if (this.moving) {
+      this.asked = { values, changed: { ...(this.asked || {}).changed, ...changed } };
+      return;
+    }
+    this.moving = true; // no steps meanwhile
+    try {
+      const kept = this.engine.checkpoint(), engine = await this.open();
+      this.state({ going: true });
+      const wrong = engine.begin(this.name, this.text, values, [...this.options(`output:page:${this.origin}`), ...engine.resumed(kept, changed)]);
+      if (wrong) throw new Error(wrong);
+      if (this.doing === "ended") return; // it was stopped meanwhile
+      this.engine = engine;
+      this.state({ changed, parameters: engine.parameters() });
+    } catch (error) {
+      this.state({ changed, refused: String(error.message || error) });
+    }
+    const asked = this.asked;
+    this.moving = this.asked = undefined;
+    if (asked) this.change(asked);
     this.clock();
     this.later();
   }
@@ -50,7 +84,7 @@ class Session {
   }
 
   work() {
-    if (this.doing !== "running" || this.ahead >= AHEAD) return; // "go" and "got" come back here
+    if (this.doing !== "running" || this.moving || this.ahead >= AHEAD) return; // "go", "got" and "change" come back here
     const begin = performance.now();
     do {
       const early = this.early();
@@ -97,6 +131,7 @@ let session = null;
 const obey = {
   open: ({ wasm, files }) => { session = new Session(wasm, files); postMessage({ what: "ready" }); },
   start: (c) => session.start(c).catch((error) => session.say("failed", { error: String(error.message || error) })),
+  change: (c) => session.change(c),
   pause: () => { if (session.doing === "running") session.pause(); },
   go: () => session.go(false),
   step: () => session.go(true),

@@ -319,9 +319,11 @@ static void fill_vector(const hk_recording *r, const char *name, size_t k, doubl
   }
 }
 
+/* names: room for names and units of all series. */
 static hk_frame frame_of(const hk_recording *r, size_t k, const char **names, double *values) {
   hk_frame f = {
       .index = k, .fps = r->fps, .measure_name = names, .measure = values, .scene = r->scene, .origin = r->origin};
+  f.measure_unit = names + r->series;
   f.kinetic = figure(r, "kinetic", k), f.potential = figure(r, "potential", k), f.work = figure(r, "work", k);
   f.step = figure(r, "step", k), f.error = figure(r, "error", k);
   fill_vector(r, "momentum", k, f.momentum);
@@ -329,6 +331,7 @@ static hk_frame frame_of(const hk_recording *r, size_t k, const char **names, do
   for (size_t s = 0; s < r->series; s++) {
     if (!r->serie[s].measure) continue;
     names[f.measures] = r->serie[s].name;
+    names[r->series + f.measures] = r->serie[s].unit;
     values[f.measures++] = r->serie[s].value[k];
   }
   return f;
@@ -338,7 +341,7 @@ static hk_frame frame_of(const hk_recording *r, size_t k, const char **names, do
 static lua_Integer record_frames(lua_State *L, conversion *c, surfaces *surface, const char *h5, const char *xdmf,
                                  bool *fine, bool *read) {
   const hk_recording *r = c->recording;
-  const char **names = lua_newuserdatauv(L, (r->series + 1) * sizeof *names, 0);
+  const char **names = lua_newuserdatauv(L, (2 * r->series + 1) * sizeof *names, 0);
   double *values = lua_newuserdatauv(L, (r->series + 1) * sizeof *values, 0);
   char why[256] = "";
   hk_recorder_setup setup = {.single = lua_toboolean(L, 4), .level = 1, .every = c->every * (size_t)r->every};

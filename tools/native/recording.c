@@ -313,10 +313,14 @@ static void push_fields(lua_State *L, const hk_recording *r) {
   lua_setfield(L, -3, "forces");
   lua_setfield(L, -2, "channels");
   lua_newtable(L);
+  lua_newtable(L); /* units */
   for (size_t k = 0; k < r->series; k++) {
     push_list(L, r->serie[k].value, r->frames);
+    lua_setfield(L, -3, r->serie[k].name);
+    lua_pushstring(L, r->serie[k].unit);
     lua_setfield(L, -2, r->serie[k].name);
   }
+  lua_setfield(L, -3, "units");
   lua_setfield(L, -2, "series");
   push_groups(L, r->groups);
   lua_setfield(L, -2, "groups");

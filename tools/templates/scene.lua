@@ -9,6 +9,6 @@ scene:pin { 1 }
 scene:force("gravity")
 scene:force("springs", { edges = rope:edges(), k = k, damping = damping })
 
-scene:measure("height", function(state) return state:position(N)[3] end) -- of the free end, m: out/NAME/measures.csv
+scene:measure("height", function(state) return state:position(N)[3] end, { unit = "m" }) -- of the free end: out/NAME/measures.csv
 -- scene:output("frames", { width = 1280, height = 720 }) -- pictures and a film: hooke plugins frames
 return scene

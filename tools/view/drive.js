@@ -10,7 +10,6 @@ view.drive = (() => {
 
   const ACTS = "A value that is changed here acts from the run's next frame on, and its summary says so. Where only a start can have it (how "
     + "many particles there are, their masses), another run begins; where they are at the start is only seen after a restart.";
-  const RESTARTS = "A value that is changed here begins another run from its start. Pace and hand act on this one.";
 
   const exact = (p, v) => p.type === "integer" ? Math.round(v) : Number(v.toPrecision(4));
 
@@ -102,7 +101,7 @@ view.drive = (() => {
       this.start.hidden = !!state.waiting && running;
       this.notice.textContent = state.notice || "";
       this.notice.hidden = !state.notice;
-      this.restarts.textContent = state.restarts ? RESTARTS : ACTS;
+      this.restarts.textContent = ACTS;
       this.restarts.hidden = !this.widgets.length || this.start.hidden;
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";

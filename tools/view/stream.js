@@ -36,12 +36,12 @@ view.stream = (() => {
     // True: what the run has to tell is other than before, so that the page is to be built again.
     async begin(number) {
       const run = await view.link.json(`run/${number}`), solids = solidsOf(await view.link.bytes(`solids/${number}`));
-      const shape = JSON.stringify([run.fields, run.measures, run.marks, run.groups, solids.length > 0]);
+      const shape = JSON.stringify([run.fields, run.measures, run.units, run.marks, run.groups, solids.length > 0]);
       const other = this.shape !== undefined && this.shape !== shape;
       Object.assign(this, { number, run, shape, title: run.title, summary: null, origin: run.origin, solids, groups: run.groups || [] });
       this.marks = run.marks.map((m, j) => ({ ...m, key: `mark ${j}`, largest: 0 }));
       if (!this.fields.length) this.fields = run.fields.map((f) => ({ ...f, least: 0, most: 0 }));
-      if (!this.series.length) this.series = this.charts(run.measures);
+      if (!this.series.length) this.series = this.charts(run.measures, run.units);
       this.topologies.clear();
       empty(this.times);
       for (const s of this.series) empty(s.values);
@@ -50,8 +50,8 @@ view.stream = (() => {
     }
 
     // A series is the sum of numbers that the run tells: the total energy of two, all others of one.
-    charts(measures) {
-      const told = [...FIXED, ...measures.map((name) => [name, "", name])];
+    charts(measures, units) {
+      const told = [...FIXED, ...measures.map((name, k) => [name, units[k] || "", name])];
       const list = told.map(([group, unit, name], k) => ({ group, unit, name, sum: [k], times: this.times, values: [] }));
       list.splice(2, 0, { group: "Energy", unit: "J", name: "total", sum: [0, 1], times: this.times, values: [] });
       this.told = told.length;

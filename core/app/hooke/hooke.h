@@ -108,7 +108,7 @@ HOOKE_API double hooke_measure(const hooke_run *, size_t k);           /* NAN: n
 /* ---- results ---- */
 
 /* Writes what a run needs to go on from here, as the option "resume" then does with the same scene, parameters and
- * options. */
+ * options; behind it the option "change", "k=500", gives a parameter another value from there on. */
 HOOKE_API hooke_status hooke_checkpoint(hooke_run *, const char *path);
 /* Writes the state as a table: id,x,y,z,vx,vy,vz,mass and the channels; of a run that diverged the last good one. */
 HOOKE_API hooke_status hooke_write_state(hooke_run *, const char *path);

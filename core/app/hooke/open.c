@@ -108,15 +108,38 @@ static const char *refused(const hk_options *o) {
   if (o->json || o->quiet || o->summary) return "hooke_summary gives the figures, and nothing is printed";
   if (o->state) return "hooke_write_state writes the state";
   if (o->watch || o->port || o->forces) return "`hooke run` has the page of a run";
-  if (o->run.change_count) return "`hooke run --resume FILE --change NAME=VALUE` goes on with another value";
   return o->help ? "`hooke run --help` lists options" : NULL;
 }
 
+/* `change` is NAME=VALUE, as on the command line: a parameter of a run that goes on (option resume) has this value from
+ * the checkpoint on. The word keeps the name, and the parameter is given as others are. */
+static hooke_status take_change(hooke_run *run) {
+  static const char prefix[] = "--change=";
+  char *word = run->word[run->words - 1], *name = word + sizeof prefix - 1,
+       *sign = strchr(word + sizeof prefix - 1, '=');
+  bool resumed = false;
+  for (size_t k = 0; k + 1 < run->words; k++) resumed = resumed || strncmp(run->word[k], "--resume=", 9) == 0;
+  if (!resumed)
+    return hooke_fail(run, HK_BAD_PARAM,
+                      "'change' is of a run that goes on: give its checkpoint before, the option \"resume\"");
+  if (!sign || sign == name)
+    return hooke_fail(run, HK_BAD_PARAM, "change: '%s' is not the parameter and its value, as \"k=500\"", name);
+  *sign = 0;
+  size_t length = strlen(name);
+  for (size_t k = 0; k < run->words; k++) { /* the value that it had until then */
+    if (strncmp(run->word[k], name, length) != 0 || run->word[k][length] != '=') continue;
+    free(run->word[k]);
+    memmove(run->word + k, run->word + k + 1, (--run->words - k) * sizeof *run->word);
+    break;
+  }
+  return add_word(run, "", name, sign + 1) ? HOOKE_OK : no_memory(run);
+}
+
 static hooke_status check_option(hooke_run *run, const char *name) {
-  char scene[] = "scene", *words[] = {scene, run->word[run->words - 1]};
+  char scene[] = "scene", resume[] = "--resume=file", *words[] = {scene, run->word[run->words - 1], resume};
   hk_options o;
   hk_error error = {0};
-  hk_status status = hk_options_parse(&o, 2, words, &error);
+  hk_status status = hk_options_parse(&o, strcmp(name, "change") == 0 ? 3 : 2, words, &error);
   const char *instead = refused(&o);
   free(o.given);
   free(o.with);
@@ -134,6 +157,7 @@ hooke_status hooke_option(hooke_run *run, const char *name, const char *value) {
     return hooke_fail(run, HK_BAD_PARAM, "'%s': an option is named without dashes, its value apart", name);
   if (!add_word(run, "--", name, value && *value ? value : NULL)) return no_memory(run);
   status = check_option(run, name);
+  if (status == HOOKE_OK && strcmp(name, "change") == 0) status = take_change(run);
   if (status != HOOKE_OK) drop_word(run);
   return status;
 }

@@ -21,11 +21,11 @@ static bool is_measured(const hk_scene *scene, const char *name) {
   return false;
 }
 
-static void add_measure(lua_State *L, hk_scene *target, const char *name, int function) {
+static void add_measure(lua_State *L, hk_scene *target, const char *name, const char *unit, int function) {
   hk_error error = {0};
   hk_limits_take(L, sizeof(hk_measure) + strlen(name) + 64);
   hk_function value = hk_lua_frame_function(L, function);
-  hk_lua_check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &value, &error), &error);
+  hk_lua_check(L, hk_scene_add_measure(target, name, unit, hk_lua_where(L), &value, &error), &error);
 }
 
 static void add_goal(lua_State *L, hk_scene *target, const char *measure, double low, double high) {
@@ -47,7 +47,7 @@ static bool add_vector(lua_State *L, hk_scene *target, uint32_t id, const char *
       lua_pushinteger(L, id);
       lua_pushinteger(L, c + 1);
       lua_pushcclosure(L, component, 3);
-      add_measure(L, target, name, lua_gettop(L));
+      add_measure(L, target, name, *key == 'v' ? "m/s" : "m", lua_gettop(L));
     }
     add_goal(L, target, name, wanted[c], wanted[c]);
   }
@@ -92,7 +92,7 @@ int hk_lua_scene_cost(lua_State *L) {
   hk_scene *target = hk_lua_editable(L);
   if (lua_type(L, 2) != LUA_TFUNCTION)
     hk_lua_fail(L, HK_BAD_PARAM, "cost: expected a function, scene:cost(function(state) return ... end)");
-  add_measure(L, target, "cost", 2);
+  add_measure(L, target, "cost", NULL, 2);
   target->cost = target->measure[target->measures - 1].name;
   return 0;
 }

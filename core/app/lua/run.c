@@ -32,6 +32,17 @@ static void push_measures(lua_State *L, size_t count, const char *const *name, c
     }
 }
 
+/* Pushes { name = unit } of the measures whose units the scene says. */
+static void push_units(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, 0, (int)s->measures);
+  for (size_t k = 0; k < s->measures; k++)
+    if (*s->measure_unit[k]) {
+      hk_lua_push_plain(L, s->measure_name[k]);
+      lua_pushstring(L, s->measure_unit[k]);
+      lua_rawset(L, -3);
+    }
+}
+
 static void push_own_figures(lua_State *L, const hk_plugin_time *plugin) {
   lua_createtable(L, 0, (int)plugin->figures);
   for (size_t k = 0; k < plugin->figures; k++) set_number(L, plugin->figure[k].name, plugin->figure[k].value);
@@ -52,6 +63,8 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   lua_setfield(L, -2, "plugins");
   push_measures(L, s->measures, s->measure_name, s->measure);
   lua_setfield(L, -2, "measures");
+  push_units(L, s);
+  lua_setfield(L, -2, "measure_units");
   lua_createtable(L, (int)s->warnings, 0);
   for (size_t k = 0; k < s->warnings; k++) {
     lua_pushstring(L, s->warning[k]);

@@ -162,6 +162,21 @@ static int pin(lua_State *L) {
 
 /* ---- functions of the script ---- */
 
+/* What { unit = "m" } behind the function says; NULL: nothing. */
+static const char *unit_of(lua_State *L, const char *name) {
+  static const char *const keys[] = {"unit", NULL};
+  if (lua_isnoneornil(L, 4)) return NULL;
+  if (!lua_istable(L, 4))
+    hk_lua_fail(L, HK_BAD_PARAM, "measure: options are a table, scene:measure(\"%s\", f, { unit = \"m\" }), got %s",
+                name, hk_lua_kind(L, 4));
+  hk_lua_check_keys(L, 4, "measure", keys);
+  if (hk_lua_field(L, 4, "unit") == LUA_TNIL) return NULL;
+  if (lua_type(L, -1) != LUA_TSTRING)
+    hk_lua_fail(L, HK_BAD_PARAM, "measure: unit of '%s': expected a text, as \"m\" or \"kg m/s\", got %s", name,
+                hk_lua_kind(L, -1));
+  return lua_tostring(L, -1);
+}
+
 static int measure(lua_State *L) {
   hk_scene *target = hk_lua_editable(L);
   hk_error error = {0};
@@ -169,10 +184,10 @@ static int measure(lua_State *L) {
     return hk_lua_fail(L, HK_BAD_PARAM,
                        "measure: expected a name and a function, scene:measure(\"height\", function(state) "
                        "return ... end)");
-  const char *name = lua_tostring(L, 2);
-  hk_limits_take(L, sizeof(hk_measure) + strlen(name) + 64);
+  const char *name = lua_tostring(L, 2), *unit = unit_of(L, name);
+  hk_limits_take(L, sizeof(hk_measure) + strlen(name) + 96);
   hk_function function = hk_lua_frame_function(L, 3);
-  hk_lua_check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &function, &error), &error);
+  hk_lua_check(L, hk_scene_add_measure(target, name, unit, hk_lua_where(L), &function, &error), &error);
   return 0;
 }
 

@@ -27,6 +27,7 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
     return NULL;
   }
   if (type == LUA_TNIL) return "nil where a number is needed";
+  if (type == LUA_TSTRING) return "a text where a number is needed";
   if (type != LUA_TTABLE) return "something else where a number is needed";
   if (depth == DEEPEST) return "tables nested too deeply";
   if (++*looks > max + EMPTY) return "too many empty tables";

@@ -141,24 +141,6 @@ static void push_solver(lua_State *L, const hk_run *run) {
   lua_setfield(L, -2, "warnings");
 }
 
-/* Pushes the parameters that the script declares: { name, help, type, initial (a text), min, max }. */
-static void push_parameters(lua_State *L, const hk_script *script) {
-  const hk_param_declared *param;
-  size_t count = hk_script_params(script, &param);
-  lua_createtable(L, (int)count, 0);
-  for (size_t k = 0; k < count; k++) {
-    lua_newtable(L);
-    hk_tool_set_text(L, "name", param[k].name);
-    hk_tool_set_text(L, "help", param[k].help);
-    hk_tool_set_text(L, "type", param[k].type);
-    hk_tool_set_text(L, "initial", param[k].initial);
-    hk_tool_set_number(L, "min", param[k].min);
-    hk_tool_set_number(L, "max", param[k].max);
-    lua_rawseti(L, -2, (lua_Integer)k + 1);
-  }
-  lua_setfield(L, -2, "parameters");
-}
-
 static void push_wanted(lua_State *L, const hk_goal *goal) {
   if (goal->low == goal->high) hk_tool_set_number(L, "value", goal->low);
   if (goal->low < goal->high && goal->low > -INFINITY) hk_tool_set_number(L, "min", goal->low);
@@ -205,6 +187,10 @@ static void push_measures(lua_State *L, const hk_scene *scene) {
     lua_rawseti(L, -2, (lua_Integer)k + 1);
   }
   lua_setfield(L, -2, "measures");
+  lua_createtable(L, 0, (int)scene->measures);
+  for (size_t k = 0; k < scene->measures; k++)
+    if (*scene->measure[k].unit) hk_tool_set_text(L, scene->measure[k].name, scene->measure[k].unit);
+  lua_setfield(L, -2, "measure_units");
 }
 
 static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
@@ -295,7 +281,8 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK) status = estimate(run, &spectrum, &error);
   if (status == HK_OK) {
     describe(L, run, &spectrum);
-    push_parameters(L, script);
+    hk_tool_push_parameters(L, script);
+    lua_setfield(L, -2, "parameters");
   } else
     lua_pushnil(L);
   hk_run_destroy(run);

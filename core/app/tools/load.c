@@ -151,5 +151,6 @@ int hk_tool_load(lua_State *L) {
   if (duration > 0) handle->slot->scene->duration = duration;
   lua_pushvalue(L, 4);
   lua_setiuservalue(L, -2, 1);
-  return 1;
+  hk_tool_push_parameters(L, *loaded);
+  return 2;
 }

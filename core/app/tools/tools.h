@@ -19,13 +19,17 @@ hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_o
 /* ---- shared by the files of core/app/tools ---- */
 
 /* Functions of Lua, each by the file that defines it. */
-int hk_tool_catalogue(lua_State *L);    /* catalogue.c: the plugins and the failed loads */
-int hk_tool_describe(lua_State *L);     /* catalogue.c: one plugin, by its file */
-int hk_tool_explain(lua_State *L);      /* explain.c */
-int hk_tool_definition(lua_State *L);   /* definition.c: hooke.definition(path [, name [, answers]]) */
-int hk_tool_ask(lua_State *L);          /* ask.c: hooke.ask(path, name, argument, {option = value}) */
-int hk_tool_load(lua_State *L);         /* load.c: hooke.load(path, {name = value}, {option = value}) */
+int hk_tool_catalogue(lua_State *L);  /* catalogue.c: the plugins and the failed loads */
+int hk_tool_describe(lua_State *L);   /* catalogue.c: one plugin, by its file */
+int hk_tool_explain(lua_State *L);    /* explain.c */
+int hk_tool_definition(lua_State *L); /* definition.c: hooke.definition(path [, name [, answers]]) */
+int hk_tool_ask(lua_State *L);        /* ask.c: hooke.ask(path, name, argument, {option = value}) */
+/* load.c: hooke.load(path, {name = value}, {option = value}) -> the scene and its parameters; or nil and why not */
+int hk_tool_load(lua_State *L);
 void hk_tool_open_verify(lua_State *L); /* verify.c: adds run:verify() */
+
+/* parameters.c: the list of the parameters that a script declares. */
+void hk_tool_push_parameters(lua_State *L, const hk_script *script);
 
 /* load.c: converts the table {name = value} at `table`, or nil, to a block on the Lua stack. */
 hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count);

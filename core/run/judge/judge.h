@@ -203,7 +203,7 @@ typedef struct hk_summary {
   size_t plugins;
   const hk_plugin_time *plugin; /* valid until the next summary of the run */
   size_t measures;
-  const char *const *measure_name;
+  const char *const *measure_name, *const *measure_unit;
   const double *measure;
   size_t warnings;
   char **warning;
@@ -356,7 +356,7 @@ struct hk_judgement {
   hk_snapshot last_good; /* the last state whose energy was plausible */
   hk_frame last_frame;   /* figures of the last frame; its measures point into `measure` */
   double *measure;       /* one per measure of the scene */
-  const char **measure_name;
+  const char **measure_name, **measure_unit;
   hk_trajectory trajectory;
   bool keeps_trajectory; /* for comparisons with other runs */
   hk_comparisons comparisons;

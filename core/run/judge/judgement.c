@@ -10,10 +10,16 @@ hk_status hk_judgement_open(hk_judgement *j, const hk_scene *scene, hk_error *er
   j->scene = scene;
   j->measure = calloc(scene->measures + 1, sizeof *j->measure);
   j->measure_name = calloc(scene->measures + 1, sizeof *j->measure_name);
-  if (!j->measure || !j->measure_name) return hk_error_set(error, HK_NO_MEMORY, "no memory for the measures");
-  for (size_t k = 0; k < scene->measures; k++) j->measure_name[k] = scene->measure[k].name;
+  j->measure_unit = calloc(scene->measures + 1, sizeof *j->measure_unit);
+  if (!j->measure || !j->measure_name || !j->measure_unit)
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for the measures");
+  for (size_t k = 0; k < scene->measures; k++) {
+    j->measure_name[k] = scene->measure[k].name;
+    j->measure_unit[k] = scene->measure[k].unit;
+  }
   j->last_frame.measures = scene->measures;
   j->last_frame.measure_name = j->measure_name;
+  j->last_frame.measure_unit = j->measure_unit;
   j->last_frame.measure = j->measure;
   hk_comparisons *c = &j->comparisons;
   c->error = c->position = c->order = c->channel_error = c->difference = c->wall_s = NAN;
@@ -25,6 +31,7 @@ void hk_judgement_close(hk_judgement *j) {
   hk_trajectory_free(&j->trajectory);
   free(j->measure);
   free(j->measure_name);
+  free(j->measure_unit);
   free(j->slope[0]);
   free(j->slope[1]);
   free(j->unresolved);

@@ -252,6 +252,7 @@ void hk_summary_measure(hk_loop *loop, hk_judgement *j, const hk_asked *asked, h
   plugin_times(loop, j, s);
   s->measures = j->scene->measures;
   s->measure_name = j->measure_name;
+  s->measure_unit = j->measure_unit;
   s->measure = j->measure;
   s->warnings = loop->warnings->count;
   s->warning = loop->warnings->text;

@@ -105,6 +105,18 @@ static void write_plugins(FILE *f, const hk_summary *s) {
   }
 }
 
+/* Of the measures whose units the scene says. */
+static void write_units(FILE *f, const hk_summary *s) {
+  bool first = true;
+  for (size_t k = 0; k < s->measures; k++) {
+    if (!*s->measure_unit[k]) continue;
+    if (!first) fputc(',', f);
+    hk_json_key(f, s->measure_name[k]);
+    hk_json_string(f, s->measure_unit[k]);
+    first = false;
+  }
+}
+
 void hk_report_json(FILE *f, const hk_summary *s) {
   fputc('{', f);
   write_figures(f, s);
@@ -118,6 +130,8 @@ void hk_report_json(FILE *f, const hk_summary *s) {
     hk_json_key(f, s->measure_name[k]);
     hk_json_number(f, s->measure[k]);
   }
+  fputs("},\"measure_units\":{", f);
+  write_units(f, s);
   fputs("},\"warnings\":[", f);
   for (size_t k = 0; k < s->warnings; k++) {
     if (k) fputc(',', f);

@@ -42,7 +42,7 @@ static bool is_printed(const hk_summary *s, const hk_figure *f) {
 static void print_measures(FILE *out, const hk_summary *s) {
   for (size_t k = 0; k < s->measures; k++) {
     print_text(out, "  %-17s ", s->measure_name[k]);
-    fprintf(out, "%.9g\n", s->measure[k]);
+    fprintf(out, "%.9g%s%s\n", s->measure[k], *s->measure_unit[k] ? " " : "", s->measure_unit[k]);
   }
 }
 

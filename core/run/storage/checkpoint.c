@@ -16,6 +16,9 @@ typedef struct header {
   uint32_t next_id, emitted;
 } header;
 
+/* Of a frame: its figures, which all stand ahead of the names of its units. */
+enum { FRAME_BYTES = offsetof(hk_frame, measure_unit) };
+
 /* What the step was chosen by, and what else counts on. */
 typedef struct progress {
   hk_spectrum spectrum;
@@ -110,7 +113,7 @@ static bool write_record(hk_walk *w, const hk_loop *loop, const hk_judgement *j,
   frame.measure_name = frame.force_name = NULL, frame.measure = NULL, frame.force = NULL, frame.run = NULL;
   frame.scene = frame.origin = NULL, frame.flow = NULL, frame.contact_points = NULL, frame.bar_forces = NULL;
   return hk_walk_put(w, loop->record, sizeof *loop->record) && hk_walk_put(w, &p, sizeof p) &&
-         hk_walk_put(w, &frame, sizeof frame) && hk_walk_put(w, j->measure, h->measures * sizeof(double)) &&
+         hk_walk_put(w, &frame, FRAME_BYTES) && hk_walk_put(w, j->measure, h->measures * sizeof(double)) &&
          hk_walk_put(w, j->unresolved, h->samples * sizeof(double)) && write_warnings(w, loop->warnings);
 }
 
@@ -151,7 +154,7 @@ static bool read_warnings(hk_walk *w, hk_warnings *warnings, uint64_t count) {
 static bool read_frame(hk_walk *w, hk_judgement *j, uint64_t measures) {
   hk_frame then, *frame = &j->last_frame;
   bool known = measures == frame->measures;
-  if (measures > w->left / sizeof(double) || !hk_walk_get(w, &then, sizeof then)) return false;
+  if (measures > w->left / sizeof(double) || !hk_walk_get(w, &then, FRAME_BYTES)) return false;
   frame->index = then.index, frame->steps = then.steps, frame->fps = then.fps; /* its figures, and no address */
   frame->kinetic = then.kinetic, frame->potential = then.potential, frame->work = then.work;
   memcpy(frame->momentum, then.momentum, sizeof frame->momentum);

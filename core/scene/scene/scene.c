@@ -72,6 +72,7 @@ static void destroy_lists(hk_scene *scene) {
   }
   for (size_t k = 0; k < scene->measures; k++) {
     free(scene->measure[k].name);
+    free(scene->measure[k].unit);
     free(scene->measure[k].where);
   }
   for (size_t k = 0; k < scene->controls; k++) {

@@ -8,6 +8,7 @@
 
 typedef struct hk_measure {
   char *name;
+  char *unit; /* "": not said */
   char *where;
   hk_function value; /* t -> one number; the script reads the state */
 } hk_measure;
@@ -144,8 +145,9 @@ bool hk_box_repeats(const hk_periodic_box *); /* along some axis */
 
 /* ---- measure.c ---- */
 
-hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
-                               hk_error *error);
+/* unit: short plain text, NULL or "": not said. */
+hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *unit, const char *where,
+                               const hk_function *value, hk_error *error);
 
 /* ---- goal.c: what `hooke optimise` looks for ---- */
 

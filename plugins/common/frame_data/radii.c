@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-const hk_drawn_radii hk_drawn = {.tube = {0.006, 0.0022, 0.0012},
-                                 .most = {300, 5000},
+const hk_drawn_radii hk_drawn = {.tube = {0.01, 0.006, 0.0022, 0.0012},
+                                 .most = {60, 300, 5000},
                                  .on_tubes = 1.9,
                                  .loose = 0.34,
                                  .least = 0.004,

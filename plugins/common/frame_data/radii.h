@@ -5,7 +5,7 @@
 
 #include "core/plugin.h"
 
-enum { HK_TUBE_CLASSES = 3 };
+enum { HK_TUBE_CLASSES = 4 };
 
 typedef struct hk_drawn_radii {
   /* Of lines, by how many there are: radius[k] up to most[k], the last for all beyond. */

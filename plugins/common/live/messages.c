@@ -66,6 +66,10 @@ static void set_origin(hk_live_messages *m, const hk_frame_data *d) {
   }
 }
 
+static const char *unit_of(const hk_frame *frame, size_t k) {
+  return frame->measure_unit ? frame->measure_unit[k] : "";
+}
+
 void hk_live_send_run(hk_live_messages *m, const hk_frame_data *d, const hk_frame *frame) {
   static const char *const axis[] = {"x", "y", "z"};
   hk_frame_field field;
@@ -75,7 +79,7 @@ void hk_live_send_run(hk_live_messages *m, const hk_frame_data *d, const hk_fram
   for (int c = 0; c < 3; c++) add_number(&t, axis[c], m->origin[c]);
   for (size_t k = 0; hk_frame_field_at(d, k, &field); k++) add_field(&t, &field);
   for (size_t k = 0; k < frame->measures; k++)
-    add_line(&t, (const char *const[]){"measure", frame->measure_name[k]}, 2);
+    add_line(&t, (const char *const[]){"measure", frame->measure_name[k], unit_of(frame, k)}, 3);
   for (size_t k = 0; k < d->marks.count; k++)
     add_line(&t, (const char *const[]){"mark", d->marks.list[k].name, hk_mark_kind(d->marks.list[k].contact)}, 3);
   for (size_t k = 0; k < d->groups && d->groups > 1; k++)

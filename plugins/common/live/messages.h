@@ -1,8 +1,8 @@
 /* Messages of a run that is watched (queue.h): a frame as it is gathered for recordings, too (frame_data.h).
  *
  *   R  the run, as text: lines "key<TAB>value", among them "field<TAB>name<TAB>components<TAB>kind" of the fields of a
- *      frame in their order, "measure<TAB>name", "mark<TAB>name<TAB>kind" of lists of wind or contacts in theirs, and,
- *      where there are several, "group<TAB>name" of groups
+ *      frame in their order, "measure<TAB>name<TAB>unit" and "mark<TAB>name<TAB>kind" of lists of wind or contacts in
+ *      theirs, and, where there are several, "group<TAB>name" of groups
  *   S  what particles bounce off (surroundings.h), once, behind R
  *   T  uint32_t: number of the topology, n, edges, triangles, pins, groups and radii (n each, or 0); ids (n), edges (2
  *      each), triangles (3 each), pins, groups; float: radii of strands, m, 0 of what is of none

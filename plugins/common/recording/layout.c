@@ -138,7 +138,8 @@ static bool make_figures(hk_recorder *r, const hk_frame *frame) {
     name_in(group, "measure ", frame->measure_name[k], name, sizeof name);
     fine = numbers(&r->measure[k], group, name, H5T_NATIVE_DOUBLE, 0) &&
            also_named(r->steps, "Row", "FieldDataOffsets", name) && hk_h5_text(r->measure[k].set, "kind", "measure") &&
-           hk_h5_text(r->measure[k].set, "label", frame->measure_name[k]);
+           hk_h5_text(r->measure[k].set, "label", frame->measure_name[k]) &&
+           hk_h5_text(r->measure[k].set, "unit", frame->measure_unit ? frame->measure_unit[k] : "");
   }
   if (group >= 0) H5Gclose(group);
   return fine;

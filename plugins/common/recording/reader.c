@@ -121,14 +121,16 @@ static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, v
   return ours ? -1 : 0;
 }
 
-static bool add_serie(hk_recording *r, const char *name, bool measure, const double *from, size_t stride) {
-  hk_recorded_series s = {.measure = measure, .value = calloc(r->frames + 1, sizeof *s.value)};
+/* unit: of a measure; NULL: it is none. */
+static bool add_serie(hk_recording *r, const char *name, const char *unit, const double *from, size_t stride) {
+  hk_recorded_series s = {.measure = unit != NULL, .value = calloc(r->frames + 1, sizeof *s.value)};
   hk_recorded_series *more = s.value ? realloc(r->serie, (r->series + 1) * sizeof *more) : NULL;
   if (!more) {
     free(s.value);
     return false;
   }
   snprintf(s.name, sizeof s.name, "%s", name);
+  snprintf(s.unit, sizeof s.unit, "%s", unit ? unit : "");
   for (size_t k = 0; k < r->frames; k++) s.value[k] = from[stride * k];
   r->serie = more;
   r->serie[r->series++] = s;
@@ -143,14 +145,15 @@ static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, 
   bool fine = hk_h5_size(set, size) && size[1] <= 3 && has_bytes_of_its_own(r, set);
   size_t width = fine && size[1] == 3 ? 3 : 1;
   double *value = calloc(r->frames * width + 1, sizeof *value);
-  char kind[16];
+  char kind[16], unit[32];
   bool measure = set >= 0 && hk_h5_get_text(set, "kind", kind, sizeof kind);
   fine = fine && value && hk_h5_get_rows(set, 0, r->frames, width == 3 ? 3 : 0, H5T_NATIVE_DOUBLE, value);
   (void)info;
+  if (!measure || !hk_h5_get_text(set, "unit", unit, sizeof unit)) *unit = 0; /* older recordings have none */
   for (size_t c = 0; c < width && fine; c++) {
     char full[256];
     snprintf(full, sizeof full, width == 3 ? "%s %c" : "%s", name, (char)('x' + c));
-    fine = add_serie(r, full, measure, value + c, width);
+    fine = add_serie(r, full, measure ? unit : NULL, value + c, width);
   }
   free(value);
   if (set >= 0) H5Dclose(set);

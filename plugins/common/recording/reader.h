@@ -19,6 +19,7 @@ typedef struct hk_recorded_array {
 typedef struct hk_recorded_series {
   bool measure;   /* of the scene */
   char name[256]; /* "kinetic", "momentum x", or the name of a measure */
+  char unit[32];  /* of a measure; "": not said */
   double *value;  /* of each frame */
 } hk_recorded_series;
 

@@ -37,7 +37,7 @@ static void a_wrong_result_is_named_with_line_time_and_particle(void **state) {
   refused("return 1, 2, 3, 4", "bad.lua:5: this function returned more numbers than are expected at t = 0.5 s, part");
   refused("return 1, 0/0, 3", "bad.lua:5: this function returned nan at t = 0.5 s, particle 2");
   refused("return 1, 2, -1/0", "bad.lua:5: this function returned -inf at t = 0.5 s, particle 2");
-  refused("return 'x', 2, 3", "bad.lua:5: this function returned something else where a number is needed at t = 0.5");
+  refused("return 'x', 2, 3", "bad.lua:5: this function returned a text where a number is needed at t = 0.5");
   refused("return qqqqqq.there",
           "bad.lua:5: 'qqqqqq' is not defined; a text stands in quotes, \"qqqqqq\" (at t = 0.5 s, particle 2)");
   refused("error('no force here')", "bad.lua:5: no force here (at t = 0.5 s, particle 2)");

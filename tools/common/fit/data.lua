@@ -1,6 +1,9 @@
 -- Measured data: a table of comma-separated values whose first line names the columns: `t`, in s; names of measures of the
--- scene; and with "_sd" behind such a name the standard deviations of its numbers. Empty cells are gaps, lines that begin
--- with # are remarks, and a mark of the order of bytes before the first is none of its text.
+-- scene; and with "_sd" behind such a name the standard deviations of its numbers. A unit between brackets behind a name, as
+-- in "sag [m]", has to be that of the scene. Empty cells are gaps, lines that begin with # are remarks, and a mark of the order
+-- of bytes before the first is none of its text.
+local units = require("common.run.units")
+
 local data = {}
 
 local function split(line)
@@ -10,6 +13,19 @@ local function split(line)
 end
 
 local function is_finite(x) return x ~= nil and x - x == 0 end
+
+-- Takes units off the names of columns; nil and what is wrong: one is not the scene's.
+local function without_units(cells, said)
+  for k, cell in ipairs(cells) do
+    local name, unit = units.of_heading(cell)
+    local own = name == "t" and "s" or said[name:gsub("_sd$", "")]
+    if unit and own and unit ~= own then
+      return nil, ("the column '%s' is in %s, and the scene has %s in %s: convert it"):format(cell, unit, name, own)
+    end
+    if own or name == "t" then cells[k] = name end
+  end
+  return true
+end
 
 -- What each column holds: { time = true }, { measure = name } or { sd = name }; or nil and what is wrong.
 local function columns_of(cells, known)
@@ -69,8 +85,8 @@ local function read_line(cells, columns, names, duration, list, number)
 end
 
 -- known: { name = true } of the scene's measures; duration: of its run, s. Returns the observations { t, name, value, sd,
--- line } by their times, or nil and a sentence that begins with the file and its line.
-function data.read(path, known, duration)
+-- line } by their times, or nil and a sentence that begins with the file and its line. said: units of measures, { name = unit }.
+function data.read(path, known, duration, said)
   local file, why = io.open(path)
   if not file then return nil, ("cannot read %s"):format(why) end
   if not file:read(0) and file:seek("end") ~= 0 then
@@ -87,7 +103,8 @@ function data.read(path, known, duration)
       local fine, wrong
       if not columns then
         names = split(line)
-        columns, wrong = columns_of(names, known)
+        fine, wrong = without_units(names, said or {})
+        if fine then columns, wrong = columns_of(names, known) end
         fine = columns
       else fine, wrong = read_line(split(line), columns, names, duration, list, number) end
       if not fine then

@@ -9,6 +9,7 @@ local journal = require("common.bench.journal")
 local least_squares = require("common.fit.least_squares")
 local plot = require("common.run.plot")
 local statistics = require("common.fit.statistics")
+local units = require("common.run.units")
 
 local report = {}
 
@@ -224,9 +225,16 @@ local function draw(o, best, name, path)
     end
   end
   return plot.draw(path, { title = ("%s: %s"):format(o.scene:match("([^/]+)$"), report.values(o, best.p)),
-    x = { label = "t, s" }, y = { label = name }, curves = {
+    x = { label = "t, s" }, y = { label = units.label(name, o.units[name]) }, curves = {
       { title = "data", points = measured, lines = false },
       { title = "fit", points = fitted, marks = false } } })
+end
+
+-- Without deviations the data are of one measure.
+local function residual_axis(o)
+  if o.weighted then return "(fit - data)/deviation" end
+  local unit = o.units[o.observations[1].name]
+  return unit and units.label("fit - data", unit) or "fit - data, in the unit of the measure"
 end
 
 -- All residuals in time, by their deviations where these are given.
@@ -238,7 +246,7 @@ local function draw_residuals(o, best)
     curve.points[#curve.points + 1] = { x.t, best.r[k] }
   end
   return plot.draw(o.out .. "/fit.residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")), x = { label = "t, s" },
-    y = { label = o.weighted and "(fit - data)/deviation" or "fit - data, in the unit of the measure" }, curves = curves })
+    y = { label = residual_axis(o) }, curves = curves })
 end
 
 -- Of two parameters the ellipse (p - best)^T C^-1 (p - best) = limit, C their covariance: with its axes x = a cos u, y = b sin(u + f),

@@ -6,6 +6,7 @@ local csv = require("common.run.csv")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 local plot = require("common.run.plot")
+local units = require("common.run.units")
 
 local report = {}
 
@@ -85,12 +86,26 @@ local function head(o, found)
     o.plugin, found.steps, found.tol and "at most " or "", found.dt, o.backwards and "backwards" or "forwards", found.bytes / 1e6)
 end
 
+-- The unit of the derivative by a parameter; nil: not said.
+local function unit_of(o, p) return units.quotient(o.unit, p.unit) end
+
+-- Of the derivatives by all controls; nil: not said, or not the same.
+local function unit_of_knots(o)
+  local unit
+  for _, p in ipairs(o.parameters) do
+    if p.values and (not unit_of(o, p) or unit and unit ~= unit_of(o, p)) then return nil end
+    unit = unit or p.values and unit_of(o, p)
+  end
+  return unit
+end
+
 -- A row for each parameter, below the heads of the columns.
 local function rows_of(o, found)
   local rows = { { "parameter", "value", "derivative", "by steps", "by rounding" } }
   for j, p in ipairs(o.parameters) do
     rows[1 + j] = { p.name, p.start and ("%.9g"):format(p.start) or ("%d knots"):format(#p.values), ("%.12g"):format(found.slopes[j]),
-      short(found.by_steps[j]), short(found.rounding[j]), p.help or "all of it by as much" }
+      short(found.by_steps[j]), short(found.rounding[j]),
+      (unit_of(o, p) and "in " .. unit_of(o, p) .. "; " or "") .. (p.help or "all of it by as much") }
   end
   return rows
 end
@@ -106,7 +121,7 @@ end
 
 local function print_words(o, found)
   print(head(o, found))
-  print(("  %s = %.12g"):format(o.of, found.value))
+  print(("  %s = %.12g%s"):format(o.of, found.value, o.unit and " " .. o.unit or ""))
   for _, row in ipairs(rows_of(o, found)) do
     print(("  %-16s %14s %20s %12s %12s%s"):format(row[1], row[2], row[3], row[4], row[5], row[6] and "  " .. row[6] or ""))
   end
@@ -128,12 +143,12 @@ end
 local function json_text(o, found)
   local list = {}
   for j, p in ipairs(o.parameters) do
-    list[j] = { name = p.name, value = plain(p.start),
+    list[j] = { name = p.name, value = plain(p.start), derivative_unit = unit_of(o, p) or journal.json.null,
       knots = journal.list(knots_of(p, found.knots[j])), derivative = plain(found.slopes[j]), by_steps = plain(found.by_steps[j]),
       by_rounding = plain(found.rounding[j]), by_runs = plain(found.runs[j]) }
   end
-  return journal.encode { scene = o.scene, measure = o.of, t = o.at, value = found.value, integrator = o.plugin,
-    dt = found.dt, steps = found.steps, sure = #found.doubts == 0, parameters = list,
+  return journal.encode { scene = o.scene, measure = o.of, unit = o.unit or journal.json.null, t = o.at, value = found.value,
+    integrator = o.plugin, dt = found.dt, steps = found.steps, sure = #found.doubts == 0, parameters = list,
     doubts = journal.list(found.doubts), remarks = journal.list(found.remarks) }
 end
 
@@ -158,7 +173,8 @@ local function draw_knots(o, found)
     if p.values then curves[#curves + 1] = curve end
   end
   return plot.draw(o.out .. "/gradient", { title = ("%s: sensitivity of %s at t = %.6g s"):format(o.scene:match("([^/]+)$"), o.of, o.at),
-    x = { label = "t of the knot, s" }, y = { label = ("d(%s)/d(value at the knot)"):format(o.of) }, curves = curves })
+    x = { label = "t of the knot, s" }, curves = curves,
+    y = { label = units.label(("d(%s)/d(value at the knot)"):format(o.of), unit_of_knots(o)) } })
 end
 
 -- By how much the measure changes where a parameter doubles, linearly: curves of one unit.
@@ -169,7 +185,7 @@ local function draw(o, found)
     for k, row in ipairs(found.rows) do curves[j].points[k] = { row[1], row[2 + j] * (p.start ~= 0 and p.start or 1) } end
   end
   return plot.draw(o.out .. "/gradient", { title = ("%s: sensitivity of %s"):format(o.scene:match("([^/]+)$"), o.of),
-    x = { label = "t, s" }, y = { label = ("d(%s)/d(ln parameter)"):format(o.of) }, curves = curves })
+    x = { label = "t, s" }, y = { label = units.label(("d(%s)/d(ln parameter)"):format(o.of), o.unit) }, curves = curves })
 end
 
 -- The diagram and the page with it.

@@ -12,7 +12,10 @@ local classes = { scene = "hooke.Scene", run = "hooke.Run", handle = "hooke.Hand
 local types = {
   { "^a scene", "hooke.Scene" }, { "^a run", "hooke.Run" }, { "^a state", "hooke.State" }, { "^a rigid body", "hooke.Rigid" },
   { "^a joint", "hooke.Joint" }, { "^a handle", "hooke.Handle" }, { "^a function", "function" }, { "^its id", "integer" },
-  { "^an id", "integer" }, { "^a list of ids", "integer[]" }, { "^{", "number[]" }, { "^J$", "number" }, { "^kg$", "number" },
+  { "^an id", "integer" }, { "^a list of ids", "integer[]" }, { "^{", "number[]" },
+  { "^a table", "table" }, { "^parameters of", "table" }, { "^edges$", "integer[][]" }, { "^triangles$", "integer[][]" },
+  { "^tetrahedra$", "integer[][]" }, { "^a number or a list", "number|number[]" }, { "^a list, N$", "number[]" },
+  { "^four ids", "integer[]" }, { "^the value$", "number|string|boolean" }, { "^J$", "number" }, { "^kg$", "number" },
   { "^s$", "number" }, { "^rad", "number" }, { "^m$", "number" }, { "^a text", "string" }, { "^a number$", "number" },
 }
 
@@ -24,7 +27,7 @@ local function type_of(gives)
   return "any"
 end
 
--- The type of a key of a table: by its name, its default, or how its text begins; "any" where that leaves it open.
+-- The type of a key of a table: what its row says, or by its name, its default, or how its text begins; "any" where that leaves it open.
 local of_names = { nx = "integer", ny = "integer", nz = "integer", n = "integer", count = "integer", knots = "integer", threads = "integer",
   duration = "number", fps = "number", dt = "number", tol = "number", width = "number", height = "number", depth = "number",
   group = "string", file = "string", help = "string", measure = "string" }
@@ -33,6 +36,7 @@ local of_texts = { { "^a list of ids", "integer[]" }, { "^a list", "table" }, { 
   { "^a direction", "number[]" }, { "^its lower corner", "number[]" }, { "^its upper corner", "number[]" } }
 
 local function key_type(row)
+  if row.type then return row.type end
   local default = tostring(row.default or "")
   if default == "true" or default == "false" then return "boolean" end
   if row.text:find(" or ") then return of_names[row.name] or "any" end
@@ -71,6 +75,20 @@ local function arguments(entry)
   return names
 end
 
+-- The type of an argument by its name, and of some functions by their entry.
+local of_arguments = { name = "string", help = "string", label = "string", file = "string", id = "integer", i = "integer", j = "integer",
+  k = "integer", state = "hooke.State", f = "function", grid = "hooke.Handle", ids = "integer|integer[]|hooke.Handle",
+  default = "number|string|boolean" }
+local of_functions = { ["scene:measure"] = "fun(state: hooke.State): number", ["scene:cost"] = "fun(state: hooke.State): number",
+  ["scene:on_frame"] = "fun(state: hooke.State)" }
+
+local function argument_type(entry, argument, last)
+  if last then return options_of(entry.name) end
+  if argument == "f" and of_functions[entry.name] then return of_functions[entry.name] end
+  if argument:find("^place") then return entry.form:find("{ parameter = value", 1, true) and "table" or "number[]" end
+  return of_arguments[argument] or "any"
+end
+
 local function method(entry, plugins, out)
   local of, sign, name = entry.name:match("^(%w+)([:.])([%w_]+)$")
   local owner = classes[of] or of
@@ -80,7 +98,7 @@ local function method(entry, plugins, out)
   local names = arguments(entry)
   for k, argument in ipairs(names) do
     local last = k == #names and argument == "options" and entry.takes
-    out[#out + 1] = ("---@param %s%s %s"):format(argument, k > 1 and "?" or "", last and options_of(entry.name) or "any")
+    out[#out + 1] = ("---@param %s%s %s"):format(argument, k > 1 and "?" or "", argument_type(entry, argument, last))
   end
   local gives = type_of(entry.gives)
   if gives then out[#out + 1] = "---@return " .. gives .. " # " .. entry.gives end

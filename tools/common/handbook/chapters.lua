@@ -58,12 +58,13 @@ function chapters.plugins(kind, plugins)
   return table.concat(out, "\n")
 end
 
--- `help`: { { name, text } }, what each command says of itself.
-function chapters.commands(help)
+-- `help`: { { name, text } }, what each command says of itself; more: { name = what else is to be said, in Markdown }.
+function chapters.commands(help, more)
   local out = { "<h1>Commands and options</h1>" }
   for _, command in ipairs(help) do
     out[#out + 1] = heading(command.name, "hooke " .. markdown.escape(command.name))
     out[#out + 1] = "<pre>" .. markdown.escape(command.text) .. "</pre>"
+    if more[command.name] then out[#out + 1] = markdown.html(more[command.name]) end
   end
   return table.concat(out, "\n")
 end

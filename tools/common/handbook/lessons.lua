@@ -82,7 +82,7 @@ local function show_diagram(folder)
   end
 end
 
-local sheet = "sheet=4,pictures=false,video=false,width=480,height=320"
+local sheet = "sheet=4,pictures=false,video=false,width=640,height=400"
 
 -- Four moments in one picture; nothing where hooke is built without pictures.
 local function show_picture(folder, pictures)

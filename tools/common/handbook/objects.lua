@@ -38,7 +38,7 @@ return {
   { name = "rigid:surface", form = "body:surface()", gives = "a handle",
     text = "What touches: the vertices of its triangles; with a list of points, before the table, these, and their ids.",
     takes = [[
-radius | m | that of contact | of each of the points: exactly round balls; of a whole body round edges
+radius: number | m | that of contact | of each of the points: exactly round balls; of a whole body round edges
 joined | - | false | points that follow each other are joined, two to a capsule]] },
   { name = "rigid:position", form = "body:position(state)", gives = "{x, y, z}, m", text = "Of the centre of mass." },
   { name = "rigid:velocity", form = "body:velocity(state)", gives = "{x, y, z}, m/s", text = "Of the centre of mass." },

@@ -1,5 +1,5 @@
--- The language of scenes as a list of entries: { name, form, gives, text, takes = { { name, unit, default, text } }, example },
--- in the order of the handbook.
+-- The language of scenes as a list of entries: { name, form, gives, text, takes = { { name, type, unit, default, text } }, example },
+-- in the order of the handbook. The type, of annotations (LuaCATS), stands behind the name where its text does not say it: "mass: number".
 local reference = {}
 
 reference.parts = {
@@ -12,7 +12,8 @@ local function parsed(text)
   local rows = {}
   for line in text:gmatch("[^\n]+") do
     local name, unit, default, what = line:match("^(.-) | (.-) | (.-) | (.*)$")
-    rows[#rows + 1] = { name = assert(name, line), unit = unit, default = default, text = what }
+    local plain, of = assert(name, line):match("^([%w_]+): (.+)$")
+    rows[#rows + 1] = { name = plain or name, type = of, unit = unit, default = default, text = what }
   end
   return rows
 end

@@ -18,9 +18,10 @@
 --                             the rest only scene, trust and timeout then mean anything
 --   told                      function(message): `execute` has a second argument, tell(message), which hands it plain tables
 --                             while the process goes on
--- A result is the run's summary (scripts/README.md, run:summary) or, without one, `failed`, the cause as a text, and
--- `fits` = false when the scene or its options were refused before the first step.
+-- A result is the run's summary (scripts/README.md, run:summary), with parameter_units { name = unit }, or, without one,
+-- `failed`, the cause as a text, and `fits` = false when the scene or its options were refused before the first step.
 local process = require("process")
+local units = require("common.run.units")
 
 local case_process = {}
 
@@ -58,13 +59,14 @@ end
 
 -- Runs the case in the process of the caller, which a crash would end. The second result is the list of states.
 function case_process.execute(case)
-  local scene, refused = hooke.load(case.scene, case.params, options_of(case))
-  if not scene then return { failed = refused, fits = false } end
+  local scene, more = hooke.load(case.scene, case.params, options_of(case))
+  if not scene then return { failed = more, fits = false } end
   local states = {}
   local begun, first = pcall(scene.run, scene, { to = 0 })
   if not begun then return { failed = without_tool(first), fits = false } end
   local fine, message = pcall(advance, scene, case, states)
   local result = first:summary()
+  result.parameter_units = units.of_parameters(more)
   if fine and (result.accuracies > 0 or case.verify) then
     local again
     result, again = first:verify()

@@ -78,12 +78,16 @@ function plot.column(curves, k)
   return values
 end
 
-local function few_decades(a, values)
+-- Ticks and range of a logarithmic axis: gnuplot's own range would go on to the next powers of ten, up to an empty decade.
+local function fit_logarithmic(letter, a, lines, values)
   local low, high = axes.extent(values, true)
-  if not low then return nil end
+  if not low then return end
   low, high = a.min or low, a.max or high
-  if high <= low or high / low >= 100 then return nil end
-  return low, high
+  if high <= low then return end
+  local few = high / low < 100
+  if few then lines[#lines + 1] = plot.log_ticks(letter, low, high) end
+  local room = (high / low) ^ (few and 0.06 or 0.04)
+  a.min, a.max = a.min or low / room, a.max or high * room
 end
 
 -- Appends gnuplot's commands for an axis ("x", "y") whose points have these values; a.outside: how many are beyond a
@@ -96,12 +100,7 @@ function plot.axis(letter, a, lines, values)
   if a.log then
     lines[#lines + 1] = ("set logscale %s"):format(letter)
     lines[#lines + 1] = ("set format %s '10^{%%L}'"):format(letter)
-    local low, high = few_decades(a, values)
-    if low then
-      lines[#lines + 1] = plot.log_ticks(letter, low, high)
-      local room = (high / low) ^ 0.06 -- gnuplot would go on to the next powers of ten
-      a.min, a.max = a.min or low / room, a.max or high * room
-    end
+    fit_logarithmic(letter, a, lines, values)
   end
   if a.min or a.max then
     lines[#lines + 1] = ("set %srange [%s:%s]"):format(letter, a.min and number(a.min) or "*",

@@ -67,8 +67,8 @@ local function draw_map(the, figure, group, path)
   if log == nil then log = points.wants_log(numbers) end
   if log then log_bar(numbers, commands) end
   return plot.draw(path, { title = remarks.title(the, group.label == "" and title or title .. ", " .. group.label),
-    x = { label = figure.xlabel or x, min = 0.5, max = #xs + 0.5 }, y = { label = figure.ylabel or y, min = 0.5,
-    max = #ys + 0.5 }, matrix = { rows = matrix_of(at, xs, ys), label = figure.measure }, commands = commands,
+    x = { label = figure.xlabel or rows.label(the, x), min = 0.5, max = #xs + 0.5 }, y = { label = figure.ylabel or rows.label(the, y),
+    min = 0.5, max = #ys + 0.5 }, matrix = { rows = matrix_of(at, xs, ys), label = rows.label(the, figure.measure) }, commands = commands,
     width = figure.width, height = figure.height })
 end
 

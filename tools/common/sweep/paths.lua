@@ -107,8 +107,8 @@ function paths.draw(the, results, figure, path)
   local commands = {
     ("set multiplot layout %d,%d margins 0.055,0.985,0.07,0.85 spacing 0.05,0.1 title %s noenhanced offset 0,-0.5")
       :format(down, across, plot.quote(points.title(the, figure.title or the.definition.name))),
-    ("set xlabel %s; set ylabel %s; unset key"):format(plot.quote(figure.xlabel or a .. " (m)"),
-      plot.quote(figure.ylabel or b .. " (m)")),
+    ("set xlabel %s; set ylabel %s; unset key"):format(plot.quote(figure.xlabel or a .. ", m"),
+      plot.quote(figure.ylabel or b .. ", m")),
     "set key at screen 0.5,0.945 center top vertical maxrows 1 Left reverse samplen 4 width 2",
   }
   local blocks, more = {}, nil

@@ -162,7 +162,7 @@ end
 
 local function horizontal(the, figure, x, curves)
   local values, scale = points.axis(the, x)
-  local axis, commands = { label = figure.xlabel or x }, {}
+  local axis, commands = { label = figure.xlabel or rows.label(the, x) }, {}
   if values and named(values) then
     local place = {}
     for k, value in ipairs(values) do place[value] = k end
@@ -185,12 +185,12 @@ local function horizontal(the, figure, x, curves)
   return axis, commands
 end
 
-local function vertical(figure, curves)
+local function vertical(the, figure, curves)
   local numbers = {}
   for _, curve in ipairs(curves) do
     for _, point in ipairs(curve.points) do numbers[#numbers + 1] = point[2] end
   end
-  local axis = { label = figure.ylabel or figure.measure, log = figure.logy, min = figure.min,
+  local axis = { label = figure.ylabel or rows.label(the, figure.measure), log = figure.logy, min = figure.min,
     max = figure.max, fixed = figure.min ~= nil or figure.max ~= nil }
   if axis.log == nil then axis.log = points.wants_log(numbers) end
   return axis, #numbers
@@ -240,7 +240,7 @@ end
 local function panel_commands(the, figure, all, names)
   local x, commands = points.over(figure)[1], {}
   local x_axis, more = horizontal(the, figure, x, all)
-  local y_axis = vertical(figure, all)
+  local y_axis = vertical(the, figure, all)
   if not y_axis.fixed then y_axis.min, y_axis.max = margins(plot.column(all, 2), y_axis.log) end
   plot.axis("x", x_axis, commands, plot.column(all, 1))
   plot.axis("y", y_axis, commands, plot.column(all, 2))
@@ -283,7 +283,7 @@ end
 local function draw_lines(the, figure, path)
   local x = points.over(figure)[1]
   local curves = curves_of(the, figure, the.cases, points.others(the, { x, figure.along }))
-  local y_axis, count = vertical(figure, curves)
+  local y_axis, count = vertical(the, figure, curves)
   if count == 0 then return nil, ("no picture %s.png: no case that ended well has '%s' and '%s'"):format(path,
     figure.measure, x) end
   local x_axis, commands = horizontal(the, figure, x, curves)

@@ -10,11 +10,12 @@ store.__index = store
 
 -- The figures of a run's summary that are stored, { column, type, key in the summary }.
 store.reported = {
-  { "t", "REAL" }, { "particles", "INTEGER" }, { "steps", "INTEGER" }, { "force_evaluations", "INTEGER" },
+  { "t", "REAL", unit = "s" }, { "particles", "INTEGER" }, { "steps", "INTEGER" }, { "force_evaluations", "INTEGER" },
   { "jacobian_evaluations", "INTEGER" }, { "factorizations", "INTEGER" }, { "linear_iterations", "INTEGER" },
-  { "dt_min", "REAL" }, { "dt_max", "REAL" }, { "wall_s", "REAL" }, { "step_wall_s", "REAL" },
-  { "energy_drift", "REAL", "energy.drift" }, { "momentum_drift", "REAL" }, { "constraint_violation", "REAL" },
-  { "max_strain", "REAL" }, { "exact_error", "REAL" }, { "verify_difference", "REAL" }, { "process_s", "REAL" },
+  { "dt_min", "REAL", unit = "s" }, { "dt_max", "REAL", unit = "s" }, { "wall_s", "REAL", unit = "s" },
+  { "step_wall_s", "REAL", unit = "s" }, { "energy_drift", "REAL", "energy.drift" }, { "momentum_drift", "REAL" },
+  { "constraint_violation", "REAL", unit = "m" }, { "max_strain", "REAL" }, { "exact_error", "REAL", unit = "m" },
+  { "verify_difference", "REAL", unit = "m" }, { "process_s", "REAL", unit = "s" },
 }
 
 local fixed = { "key TEXT NOT NULL UNIQUE", "description TEXT NOT NULL", "scene TEXT NOT NULL", "integrator TEXT",
@@ -47,6 +48,8 @@ local function schema()
     "CREATE TABLE IF NOT EXISTS warnings (case_id INTEGER REFERENCES cases, number INTEGER, text TEXT, " ..
       "PRIMARY KEY (case_id, number)) WITHOUT ROWID",
     "CREATE TABLE IF NOT EXISTS states (case_id INTEGER PRIMARY KEY REFERENCES cases, digest TEXT)",
+    "CREATE TABLE IF NOT EXISTS units (case_id INTEGER REFERENCES cases, name TEXT, unit TEXT, " ..
+      "PRIMARY KEY (case_id, name)) WITHOUT ROWID", -- of measures and parameters
   }
 end
 
@@ -78,7 +81,7 @@ function store.open(path, journal)
   if found ~= 0 and found ~= version then
     database.fail("%s has tables of version %d and this hooke writes %d: take another file", path, found, version)
   end
-  if not has_table(self.db, "main", "states") then -- a new file, or one of a hooke that kept neither warnings nor states
+  if not has_table(self.db, "main", "units") then -- a new file, or one of a hooke that kept fewer tables
     self.db:transaction(function()
       for _, sql in ipairs(schema()) do self.db:execute(sql) end
       self.db:execute("PRAGMA user_version = " .. version)
@@ -212,6 +215,19 @@ local function insert_paths(db, id, points)
   insert_rows(db, "paths", rows)
 end
 
+-- Of measures and parameters. A hooke that knows no units leaves them when it deletes a case, whose number may come again.
+local function insert_units(db, id, result)
+  db:execute("DELETE FROM units WHERE case_id = " .. id)
+  local rows, seen = {}, {}
+  for _, units in ipairs { result.measure_units or {}, result.parameter_units or {} } do
+    for name, unit in pairs(units) do
+      if not seen[name] then rows[#rows + 1] = database.tuple(3, id, name, unit) end
+      seen[name] = true
+    end
+  end
+  insert_rows(db, "units", rows)
+end
+
 function store:link(case)
   self.db:execute("INSERT OR REPLACE INTO members VALUES " .. database.tuple(3, self.sweep, case.number, case.row))
 end
@@ -230,6 +246,7 @@ function store:add(case, result)
     case.row = db:value("SELECT last_insert_rowid()")
     insert_numbers(db, "params", case.row, case.params)
     insert_numbers(db, "measures", case.row, result.measures)
+    insert_units(db, case.row, result)
     insert_paths(db, case.row, result.paths)
     insert_warnings(db, case.row, result.warnings)
     if result.state then insert_rows(db, "states", { database.tuple(2, case.row, result.state) }) end
@@ -260,7 +277,7 @@ end
 function store:forget(cases)
   self.db:transaction(function()
     for _, case in ipairs(cases) do
-      for _, name in ipairs { "params", "measures", "paths", "members", "warnings", "states" } do
+      for _, name in ipairs { "params", "measures", "paths", "members", "warnings", "states", "units" } do
         if case.row then self.db:execute(("DELETE FROM %s WHERE case_id = %d"):format(name, case.row)) end
       end
       if case.row then self.db:execute(("DELETE FROM cases WHERE id = %d"):format(case.row)) end
@@ -271,8 +288,8 @@ end
 
 -- ---- merging ----
 
--- remarked: the other database has the tables `warnings` and `states`.
-local function merge_statements(remarked)
+-- remarked: the other database has the tables `warnings` and `states`; measured: `units`.
+local function merge_statements(remarked, measured)
   local fresh = "IN (SELECT key FROM temp.fresh)"
   local same = "JOIN part.cases c ON c.id = p.case_id JOIN main.cases m ON m.key = c.key WHERE c.key " .. fresh
   local list = {
@@ -289,6 +306,9 @@ local function merge_statements(remarked)
   if remarked then
     list[#list + 1] = "INSERT INTO main.warnings SELECT m.id, number, text FROM part.warnings p " .. same
     list[#list + 1] = "INSERT INTO main.states SELECT m.id, p.digest FROM part.states p " .. same
+  end
+  if measured then
+    list[#list + 1] = "INSERT OR REPLACE INTO main.units SELECT m.id, p.name, p.unit FROM part.units p " .. same
   end
   return list
 end
@@ -307,7 +327,7 @@ local function merge_attached(self, path)
   db:execute("CREATE TEMP TABLE fresh AS SELECT key FROM part.cases WHERE key NOT IN (SELECT key FROM main.cases)")
   local count = db:value("SELECT count(*) FROM temp.fresh")
   db:transaction(function()
-    for _, sql in ipairs(merge_statements(has_table(db, "part", "states"))) do db:execute(sql) end
+    for _, sql in ipairs(merge_statements(has_table(db, "part", "states"), has_table(db, "part", "units"))) do db:execute(sql) end
   end)
   return count
 end
@@ -325,13 +345,13 @@ end
 
 -- ---- reading ----
 
--- Sets case.result = { verdict =, reason =, [column] = value, measures = { name = value }, warnings = { text }, state = digest
--- of the last positions and velocities or nil } of the cases that are done.
+-- Sets case.result = { verdict =, reason =, [column] = value, measures = { name = value }, units = { name = unit } of measures
+-- and parameters, warnings = { text }, state = digest of the last positions and velocities or nil } of the cases that are done.
 function store:read(cases)
   local results, ids = {}, {}
   for _, case in ipairs(cases) do
     if case.row and not results[case.row] then
-      results[case.row] = { measures = {}, warnings = {} }
+      results[case.row] = { measures = {}, units = {}, warnings = {} }
       ids[#ids + 1] = case.row
     end
     case.result = results[case.row]
@@ -341,6 +361,9 @@ function store:read(cases)
   end
   for row in rows_in(self.db, "SELECT case_id, name, value FROM measures WHERE case_id IN", ids) do
     results[row.case_id].measures[row.name] = row.value
+  end
+  for row in rows_in(self.db, "SELECT case_id, name, unit FROM units WHERE case_id IN", ids) do
+    results[row.case_id].units[row.name] = row.unit
   end
   for row in rows_in(self.db, "SELECT case_id, number, text FROM warnings WHERE case_id IN", ids) do
     results[row.case_id].warnings[row.number] = row.text

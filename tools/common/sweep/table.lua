@@ -2,6 +2,7 @@
 local csv = require("common.run.csv")
 local files = require("common.run.file")
 local store = require("common.sweep.store")
+local units = require("common.run.units")
 
 local rows = {}
 
@@ -13,6 +14,23 @@ function rows.value(case, name)
   if value == nil or case.values[name] ~= nil and result.measures[name] == nil then value = case.values[name] end
   return value
 end
+
+local own_units = { dt = "s" }
+for _, column in ipairs(store.reported) do own_units[column[1]] = column.unit end
+
+-- The unit of a measure, a parameter or a figure of the summary; nil: it is not said, or not the same in all cases.
+function rows.unit(the, name)
+  local found
+  for _, case in ipairs(the.cases) do
+    local result = case.result
+    local unit = result and result.units and result.units[name]
+    if unit and found and unit ~= found or result and not unit and result.measures[name] ~= nil then return nil end
+    found = found or unit
+  end
+  return found or own_units[name]
+end
+
+function rows.label(the, name) return units.label(name, rows.unit(the, name)) end
 
 local function sorted(set)
   local list = {}
@@ -64,7 +82,7 @@ local function columns_of(the)
   for _, name in ipairs(ran) do seen[name] = true end
   for _, name in ipairs(rows.measures(the)) do
     if not seen[name] or the.definition.measures == nil then
-      add(name, function(case) return case.result.measures[name] end)
+      add(units.heading(name, rows.unit(the, name)), function(case) return case.result.measures[name] end)
     end
   end
   return list
@@ -101,7 +119,7 @@ function rows.show(the)
     names[#names + 1] = name
   end
   local lines, width = { {} }, {}
-  for k, name in ipairs(names) do lines[1][k] = hooke.plain(name, true) end
+  for k, name in ipairs(names) do lines[1][k] = hooke.plain(own_units[name] and name or units.heading(name, rows.unit(the, name)), true) end
   for _, case in ipairs(the.cases) do
     local line = {}
     for k, name in ipairs(names) do line[k] = case.result and short(rows.value(case, name)) or "" end

@@ -157,7 +157,7 @@ function encode.run(r, out, more)
   local run = { title = more.title, groups = json_text.list(r.groups),
     fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
     populations = json_text.list(), topologies = json_text.list(), streams = json_text.list(),
-    series = series.of(r.series or {}), summary = more.summary and json_text.raw(more.summary) }
+    series = series.of(r.series or {}, r.units or {}), summary = more.summary and json_text.raw(more.summary) }
   local all_ids, ids, pins = {}, nil, nil
   for k = 1, r.frames do
     if (k - 1) % per_block == 0 then

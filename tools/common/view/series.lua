@@ -33,7 +33,8 @@ local function steps_taken(values)
   return list
 end
 
-function series.of(all)
+-- all: { name = values }; units: those of measures, { name = unit }.
+function series.of(all, units)
   local list, used = json_text.list(), {}
   for _, row in ipairs(known) do
     local name, values = row[1], all[row[1]]
@@ -47,7 +48,7 @@ function series.of(all)
   end
   table.sort(rest)
   for _, name in ipairs(rest) do
-    if some_finite(all[name]) then list[#list + 1] = entry(name, "", name, all[name]) end
+    if some_finite(all[name]) then list[#list + 1] = entry(name, units[name] or "", name, all[name]) end
   end
   return list
 end

@@ -1,6 +1,6 @@
 -- What a run has shown so far, as documents of the server. Of run r:
 --
---     run/r            the run's data: title, fps, origin, fields, measures, marks, groups (JSON)
+--     run/r            the run's data: title, fps, origin, fields, measures, units, marks, groups (JSON)
 --     solids/r         S as it came: what particles bounce off
 --     topology/r/k     T as it came, number k; frame/r/k: F as it came, frame k
 --     numbers/r/c      the N of frames 512 c to 512 c + 511, one after the other (double)
@@ -31,8 +31,8 @@ local function begin(self, body)
   local fields = json_text.list()
   for k, f in ipairs(run.fields) do fields[k] = shared.field(f) end
   self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,
-    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures), marks = json_text.list(run.marks),
-    groups = json_text.list(run.groups) }))
+    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures), units = json_text.list(run.units),
+    marks = json_text.list(run.marks), groups = json_text.list(run.groups) }))
 end
 
 local function forget(self, k)

@@ -33,9 +33,10 @@ function messages:add(bytes, heard)
   return true
 end
 
--- R as a table: fps, origin, fields { name, kind, components }, measures, marks { name, kind }, groups (names).
+-- R as a table: fps, origin, fields { name, kind, components }, measures, their units ("": not said), marks { name, kind },
+-- groups (names).
 function messages.run(body)
-  local run = { origin = { 0, 0, 0 }, fields = {}, measures = {}, marks = {}, groups = {} }
+  local run = { origin = { 0, 0, 0 }, fields = {}, measures = {}, units = {}, marks = {}, groups = {} }
   for line in body:gmatch("[^\n]+") do
     local key, value, more, kind = line:match("^([^\t]*)\t([^\t]*)\t?([^\t]*)\t?([^\t]*)")
     if key == "fps" then run.fps = tonumber(value)
@@ -43,7 +44,10 @@ function messages.run(body)
     elseif key == "field" then table.insert(run.fields, { name = value, components = tonumber(more), kind = kind })
     elseif key == "mark" then table.insert(run.marks, { name = value, kind = more })
     elseif key == "group" then table.insert(run.groups, value)
-    elseif key == "measure" then table.insert(run.measures, value) end
+    elseif key == "measure" then
+      table.insert(run.measures, value)
+      table.insert(run.units, more)
+    end
   end
   return run
 end

@@ -24,8 +24,12 @@ def plot(run, names=None, axes=None):
         axes.plot(times, table[name], label=name if k < MOST else None, color=None if k < MOST else "0.75", zorder=2 if k < MOST else 1)
     axes.set_xlabel("t, s")
     axes.grid(alpha=0.3)
+    units = run.summary.get("measure_units") or {}
+    common = {units.get(name) for name in wanted}
     if len(wanted) == 1:
-        axes.set_ylabel(wanted[0])
+        axes.set_ylabel(", ".join(filter(None, [wanted[0], units.get(wanted[0])])))
     else:
+        if len(common) == 1 and None not in common:
+            axes.set_ylabel(common.pop())
         axes.legend(frameon=False)
     return axes

@@ -95,7 +95,7 @@ static void an_exact_solution_that_is_none_is_refused(void **state) {
       {"return 1", "exact gave 1 numbers at t = 2 s, which are not x, y, z of whole"},
       {"return 1, 2, 3, 4, 5, 6", "returned more numbers than are expected at t = 2 s"},
       {"return 1, 0 / 0, 3", "this function returned nan at t = 2 s"},
-      {"return 1, 'a', 3", "something else where a number is needed at t = 2 s"},
+      {"return 1, 'a', 3", "a text where a number is needed at t = 2 s"},
       {"return t.x", "attempt to index a number"}};
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
     char scene[512];
