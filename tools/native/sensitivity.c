@@ -29,6 +29,12 @@ static void solve_to_rounding(const hk_run *run) {
   }
 }
 
+/* to_rounding(run): steps that are solved for meet their equations, as in a record. */
+static int to_rounding(lua_State *L) {
+  solve_to_rounding(hk_lua_run(L));
+  return 0;
+}
+
 /* record(run [, reach]): keeps the steps of a run from here on; or nil and why they cannot be differentiated. `reach`:
  * how far differences of the measure go, in parts of what they do otherwise. */
 static int begin(lua_State *L) {
@@ -301,7 +307,7 @@ static int refusal(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_sensitivity(lua_State *L);
 
 int luaopen_sensitivity(lua_State *L) {
-  static const luaL_Reg functions[] = {{"record", begin}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"record", begin}, {"to_rounding", to_rounding}, {NULL, NULL}};
   static const luaL_Reg methods[] = {{"vary", vary},
                                      {"finish", finish},
                                      {"about", about},
