@@ -10,6 +10,7 @@ local data = require("common.fit.data")
 local description = require("common.run.description")
 local files = require("common.run.file")
 local fitting = require("common.fit.fitting")
+local interruption = require("common.run.interruption")
 local journal = require("common.bench.journal")
 local parameters = require("common.run.parameters")
 local progress = require("common.run.progress")
@@ -141,7 +142,7 @@ end
 local function search(o)
   local starts, minima = { o.first, table.unpack(fitting.starts(o.starts, o.low, o.high)) }, {}
   local bar = progress.new { what = "fit", quiet = o.quiet }
-  o.runs.tick = function() bar:tick() end
+  o.bar, o.runs.tick = bar, function() bar:tick() end
   for k, start in ipairs(starts) do
     o.note = function(iteration, cost, p)
       report.keep(o, p, cost)
@@ -210,10 +211,13 @@ local function ready(o)
   return prepare(o)
 end
 
+local now -- what is being fitted
+
 local function main()
   local o, why = options()
   if not o then return why and complain("%s", why) or 1 end
   local fine
+  now = o
   fine, why = ready(o)
   if not fine then return complain("%s", why) end
   local minima
@@ -230,4 +234,7 @@ local function main()
   return report.is_sure(minima[1]) and 0 or 2
 end
 
-return main()
+return interruption.guard("fit", main, function()
+  if now and now.bar then now.bar:finish() end
+  return report.interrupted(now or {})
+end)

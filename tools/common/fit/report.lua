@@ -15,10 +15,20 @@ local report = {}
 -- The best of this moment, as words to run the scene with: what is left of a fit that is ended.
 function report.keep(o, p, cost)
   if o.kept and o.kept <= cost then return end
-  o.kept = cost
+  o.kept, o.kept_values = cost, p
   local words = {}
   for j, name in ipairs(o.names) do words[j] = ("%s=%.17g"):format(name, p[j]) end
   files.write(o.out .. "/now.txt", table.concat(words, " ") .. "\n")
+end
+
+-- What is left of a fit that is interrupted, behind that word.
+function report.interrupted(o)
+  if not o.runs then return " before its first run: nothing is kept, and the same command begins again" end
+  local count = o.journal.count + o.runs.count
+  local kept = ("%d run%s kept in %s/runs.json, from which the same command goes on"):format(count, count == 1 and " is" or "s are", o.out)
+  if not o.kept then return (" before its first iteration: %s"):format(kept) end
+  return (": the best so far, %s with a sum of squares of %.6g, stands in %s/now.txt, and %s"):format(report.values(o, o.kept_values),
+    o.kept, o.out, kept)
 end
 
 function report.forget(o) os.remove(o.out .. "/now.txt") end

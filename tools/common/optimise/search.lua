@@ -104,7 +104,7 @@ local function transcribed_with(o, controls, u, nodes, note, asked_for)
       tolerance = o.tolerance, save = function(state) o.memory:save(words, u, state) end,
       note = function(iteration, now, missing, values)
         note(iteration, now, missing)
-        o.keep(with_values(controls, values))
+        o.keep(with_values(controls, values), now, missing)
       end } }
   for _, key in ipairs { "scene", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
   local result = segments.minimise(case)
@@ -178,7 +178,7 @@ local function optimum_from(o, controls, u, note)
     tolerance = o.tolerance, negligible = negligible, goals = o.goals, bounds = weight:bounds(controls),
     note = function(iteration, now, missing, y)
       note(iteration, now, missing)
-      o.keep(with_values(controls, weight:values(y)))
+      o.keep(with_values(controls, weight:values(y)), now, missing)
     end }
   if contradiction then why = asked.contradiction(o, contradiction) end
   if not optimum then return nil, why end
@@ -267,6 +267,7 @@ end
 function search.optima(o)
   local optima, first, why = {}, nil, nil
   local bar = progress.new { what = "optimise", quiet = o.quiet }
+  o.bar = bar
   for k = 1, o.starts + 1 do
     local u = k == 1 and values_of(o.controls) or within_bounds(o.controls, starts.random(o.controls, k, size_of(first)))
     local optimum, reason = optimum_from(o, o.controls, u, narrator(o, k, bar))
@@ -277,6 +278,7 @@ function search.optima(o)
     elseif optimum then
       optimum.starts = 1
       optima[#optima + 1] = optimum
+      if optimum.ended == "converged" and not (o.best and o.best.cost <= optimum.cost) then o.best = optimum end
     end
   end
   table.sort(optima, function(a, b)
