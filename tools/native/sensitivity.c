@@ -140,6 +140,28 @@ static hk_status differ(record *r, size_t j, double t, const double *X, const do
   return status;
 }
 
+/* record:direct(measure, t, X) -> the derivatives of the measure at t in the state X by the values of every function of
+ * time there; or nil and a reason. */
+static int direct_slopes(lua_State *L) {
+  record *r = hk_record_at(L);
+  double t = luaL_checknumber(L, 3), slope[HK_RECORD_MOST];
+  size_t size = 6 * r->steps->n;
+  luaL_checktype(L, 4, LUA_TTABLE);
+  luaL_argcheck(L, lua_rawlen(L, 4) == size, 4, "6 numbers a particle");
+  double *X = lua_newuserdatauv(L, (size + 1) * sizeof *X, 0);
+  for (size_t e = 0; e < size; e++, lua_pop(L, 1)) {
+    lua_rawgeti(L, 4, (lua_Integer)e + 1);
+    X[e] = lua_tonumber(L, -1);
+  }
+  r->measure = hk_record_measure_named(L, r, 2);
+  hk_error_clear(&r->error);
+  hk_status status = HK_OK;
+  for (size_t j = 0; j < r->count && status == HK_OK; j++) status = differ(r, j, t, X, NULL, &slope[j]);
+  if (status != HK_OK) return hk_record_refuse(L, &r->error);
+  hk_record_push(L, slope, r->count);
+  return 1;
+}
+
 /* ---- forwards ---- */
 
 static bool is_frame(const record *r, double t) {
@@ -320,6 +342,7 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"segment", hk_record_segment},
                                      {"assign", hk_record_assign},
                                      {"survey", hk_record_survey},
+                                     {"direct", direct_slopes},
                                      {NULL, NULL}};
   luaL_newmetatable(L, hk_record_type);
   lua_pushcfunction(L, close_record);

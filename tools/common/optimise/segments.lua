@@ -3,6 +3,7 @@
 -- least effort by transcription over these.
 local case_process = require("common.run.case_process")
 local derivative = require("common.gradient.derivative")
+local frame_cost = require("common.optimise.frame_cost")
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
 local transcription = require("common.optimise.transcription")
@@ -97,7 +98,7 @@ local function add_bend(record, goal, X, slope, price, bend)
 end
 
 -- The evaluation of common/optimise/transcription.lua, by a record whose controls are given other values.
-local function evaluation_of(case, record, parts, start)
+local function evaluation_of(case, record, parts, start, own)
   local none = {}
   for e = 1, #start do none[e] = false end
 
@@ -129,13 +130,31 @@ local function evaluation_of(case, record, parts, start)
     return found
   end
 
+  -- The scene's own cost, in the place of the controls' squares.
+  local function add_cost(found, u, from, curved, moved)
+    local why
+    if not found.J[1] then
+      found.cost, why = own:value(from, found.ends)
+      return found.cost and found, why
+    end
+    local sum
+    sum, why = own:derive(u, from, found.ends, found.J, curved and moved or nil)
+    if not sum then return nil, why end
+    found.cost, found.G = sum.value, sum.G
+    found.by_controls, found.by_states = own:by_knots(sum.slopes, #start)
+    for k, C in ipairs(sum.C) do found.H[k] = found.H[k] and quadratic.add(found.H[k], 1, C) or C end
+    return found
+  end
+
   return function(u, nodes, weights, prices)
     local fine, why = assign(u)
     if not fine then return nil, why end
+    local from_of, moved = {}, {}
     local found = { start = start, ends = {}, J = {}, H = {}, goals = {}, slopes = {}, bends = {} }
     local slopes, moves = weights ~= false and nodes ~= nil, none
     for k, part in ipairs(parts) do
       local from = nodes and nodes[k] or found.ends[k - 1] or start
+      from_of[k], moved[k] = from, moves
       local behind, J, H = record:segment(part.first, part.last, from, slopes, weights and weights[k] or nil, moves)
       found.ends[k] = behind
       if not found.ends[k] then return nil, J end
@@ -143,6 +162,10 @@ local function evaluation_of(case, record, parts, start)
         found.J[k], found.H[k] = J, H
         moves = moved_behind(J, moves, quadratic.add(found.ends[k], -1, nodes[k + 1]))
       end
+    end
+    if own then
+      fine, why = add_cost(found, u, from_of, weights, moved)
+      if not fine then return nil, why end
     end
     return survey(found, nodes, weights, prices)
   end
@@ -158,7 +181,9 @@ local function execute(case, tell)
   parts, why = cut(case, times)
   if not parts then return { failed = why } end
   local options = setmetatable({}, { __index = case.options })
-  options.evaluate = evaluation_of(case, record, parts, start)
+  why = case.cost and record:refusal(case.cost)
+  if why then return { failed = ("the measure '%s': %s"):format(case.cost, why) } end
+  options.evaluate = evaluation_of(case, record, parts, start, case.cost and frame_cost.of(case, record, times, parts))
   function options.note(...) tell { note = { ... } } end
   function options.save(state)
     state.dt = dt
@@ -169,7 +194,8 @@ local function execute(case, tell)
   return result
 end
 
--- case: as of common/optimise/evaluation.lua; goals with `knot`, at which they are; options: those of transcription.minimise without
+-- case: as of common/optimise/evaluation.lua (cost: in the place of the controls' squares);
+-- goals with `knot`, at which they are; options: those of transcription.minimise without
 -- evaluate. Returns { optimum, failed, contradiction, dt }.
 function segments.minimise(case)
   case.execute, case.factor = execute, 1
