@@ -329,7 +329,6 @@ for off, replayed in text:gmatch("off by +(%S+), by dop853 +(%S+)") do
   goals = goals + 1
 end
 assert(goals == 4 and cost > 0, text)
-refused("crane.lua --goal x1=5 --way transcription", "positions that constraints hold are not free numbers")
 
 -- ---- what is refused ----
 

@@ -340,6 +340,8 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"replayed", replayed},
                                      {"times", hk_record_times},
                                      {"segment", hk_record_segment},
+                                     {"curves", hk_record_curves},
+                                     {"place", hk_record_place},
                                      {"assign", hk_record_assign},
                                      {"survey", hk_record_survey},
                                      {"direct", direct_slopes},

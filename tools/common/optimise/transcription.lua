@@ -7,6 +7,7 @@ local horizon = require("horizon")
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
 local ranges = require("common.optimise.ranges")
+local tangents = require("common.optimise.tangents")
 
 local transcription = {}
 
@@ -180,6 +181,7 @@ local function direction(state)
   slope, prices = split(state, step.slope)
   step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, mixed(state, state.missing),
     state.there.by_states)
+  if state.there.along then step.equations = tangents.multipliers(state.there.along, step.equations) end
   return step
 end
 
@@ -189,7 +191,7 @@ local function gaps(state, nodes, there)
   for k = 1, state.knots - 1 do
     local gap, behind, node = {}, there.ends[k], nodes[k + 1]
     for i = 1, state.d do gap[i] = behind[i] - node[i] end
-    defect[k] = gap
+    defect[k] = there.along and tangents.along(there.along[k + 1], gap) or gap
   end
   for i, goal in ipairs(state.goals) do missing[i] = ranges.missed(goal, there.goals[i]) end
   return defect, missing
@@ -220,9 +222,18 @@ local function weigh(state, step, list)
   end
 end
 
+-- Behind a step states lie off the constraints that hold them, by its square: they are put back (tangents.lua).
+local function changed(state, nodes, part, x)
+  local list = { nodes[1] }
+  for k = 2, state.knots do
+    local node = quadratic.add(nodes[k], part, x[k])
+    list[k] = state.place and state.place(node) or node
+  end
+  return list
+end
+
 local function moved(state, step, part)
-  local nodes = { state.nodes[1] }
-  for k = 2, state.knots do nodes[k] = quadratic.add(state.nodes[k], part, step.x[k]) end
+  local nodes = changed(state, state.nodes, part, step.x)
   return nodes, quadratic.add(state.u, part, step.p)
 end
 
@@ -242,9 +253,7 @@ local function corrected(state, step, nodes, u, defect, missing)
   for i, part in ipairs(weight) do row = quadratic.add(row, part, step.set.rows[i]) end
   local slope, prices = split(state, row)
   local back, _, change = state.horizon:least(slope, prices, defect, off_squares)
-  local list = { nodes[1] }
-  for k = 2, state.knots do list[k] = quadratic.add(nodes[k], 1, change[k]) end
-  return list, within(state, quadratic.add(u, 1, back))
+  return changed(state, nodes, 1, change), within(state, quadratic.add(u, 1, back))
 end
 
 -- Goes along the step as far as the merit falls; false: nowhere.
@@ -295,9 +304,10 @@ end
 
 local function new_state(options, u, nodes)
   local d = #nodes[1]
-  return { u = u, n = #u, own = options.own, interval = options.interval, controls = options.controls, knots = options.knots,
-    goals = options.goals, limits = ranges.of(options.goals), negligible = options.negligible, bounds = options.bounds, d = d,
-    nodes = nodes, horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.own and 0 or options.interval) }
+  return { u = u, n = #u, own = options.own, place = options.place, interval = options.interval, controls = options.controls,
+    knots = options.knots, goals = options.goals, limits = ranges.of(options.goals), negligible = options.negligible,
+    bounds = options.bounds,
+    d = d, nodes = nodes, horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.own and 0 or options.interval) }
 end
 
 -- At the states that are given, those of a scene that stands still, or the run's; or as a search that was interrupted left it.
@@ -341,7 +351,8 @@ end
 -- a value first, own (whether evaluate gives the cost, in the place of the controls' squares), evaluate(u, nodes, weights, multipliers) ->
 -- { start, ends, J, H, goals, slopes, bends } (weights nil: without H; false: without J, H and slopes; nodes nil: those of the run;
 -- bends, of knots: the goals' second derivatives times their multipliers, of those that are 0 nil; own: also cost and, with J, its slopes
--- by_controls and by_states and G, its second derivatives without those of steps, which are in H), negligible, bounds, most, tolerance,
+-- by_controls and by_states and G, its second derivatives without those of steps, which are in H; along, with constraints: what projects
+-- along them at every knot, tangents.lua), place(X) -> X on the constraints (nil: there are none), negligible, bounds, most, tolerance,
 -- nodes (a guess of the states), guess (where there is none; "still": all as the first one; "run": those of the run),
 -- note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on beside these
 -- options (iteration, u, nodes, weights, multipliers, penalty, price), and saved, such a state, from which it goes on. Returns what
