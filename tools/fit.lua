@@ -10,11 +10,13 @@ local data = require("common.fit.data")
 local description = require("common.run.description")
 local files = require("common.run.file")
 local fitting = require("common.fit.fitting")
+local interruption = require("common.run.interruption")
 local journal = require("common.bench.journal")
 local parameters = require("common.run.parameters")
 local progress = require("common.run.progress")
 local report = require("common.fit.report")
 local runs = require("common.fit.runs")
+local shape = require("common.fit.shape")
 
 local function complain(format, ...) return command_line.complain("fit", format:format(...)) end
 
@@ -22,6 +24,8 @@ local function parser()
   local p = argparse("hooke fit", "The parameters with which a scene agrees with measured data.")
   p:argument("scene", "the scene's script, or one with hooke.fit{}, and values of parameters that are not fitted, name=value"):args("+")
   p:option("--data", "a table (CSV): t in s, measures of the scene, NAME_sd their standard deviations; cells may be empty")
+  p:option("--shape", "in its place a table (CSV) of a still shape: particle, x, y, z, and sd or x_sd, y_sd, z_sd, m")
+  p:option("--at", "when it has that shape: s, the end, or rest: where the scene comes to rest"):default("end")
   p:option("--by", "the parameters to find, k,c; with a start and bounds, k=20:1:1000 (those of param())"):count("*")
   p:option("--prior", "what is known of parameters beside the data, k=MEAN:DEVIATION"):count("*")
   p:option("--starts", "how many starts, over the bounds, beside the first"):default("0"):convert(function(text)
@@ -50,12 +54,13 @@ end
 local function check_weights(list)
   local with, names, count = {}, {}, 0
   for _, o in ipairs(list) do
-    if with[o.name] == nil then
-      with[o.name], count = o.sd ~= nil, count + 1
-      names[count] = o.name
+    local name = o.axis and "shape" or o.name -- all of which has one unit
+    if with[name] == nil then
+      with[name], count = o.sd ~= nil, count + 1
+      names[count] = name
     end
-    if with[o.name] ~= (o.sd ~= nil) then
-      return nil, ("%s: some numbers have a standard deviation and some have none (line %d)"):format(o.name, o.line)
+    if with[name] ~= (o.sd ~= nil) then
+      return nil, ("%s: some numbers have a standard deviation and some have none (line %d)"):format(name, o.line)
     end
   end
   if count > 1 then
@@ -68,22 +73,47 @@ local function check_weights(list)
   return with[names[1]]
 end
 
+-- The time of the shape, s, and o.shape; or nil and what is wrong.
+local function take_time(o, explained)
+  local t = o.at == "end" and explained.duration or o.at == "rest" and 0 or tonumber(o.at)
+  if not t or t < 0 or t > explained.duration then
+    return nil, ("--at: '%s' is no time of the run, 0 to %g s, nor end or rest"):format(o.at, explained.duration)
+  end
+  o.shape_of = { rest = o.at == "rest" }
+  return t
+end
+
+local function read_shape(o, explained)
+  local at, why = take_time(o, explained)
+  if not at then return nil, why end
+  local known = shape.particles { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust, seed = o.seed }
+  if not known.ids then return nil, known.failed end
+  return shape.read(o.shape, known, at)
+end
+
+-- The observations, of measures or of a shape; or nil and what is wrong.
+local function read_observations(o, explained, start)
+  if o.shape then return read_shape(o, explained) end
+  return data.read(o.data, start.measures, explained.duration, o.units)
+end
+
 local function read_data(o, explained)
   local start = case_process.run { scene = o.scene, params = o.params, integrator = o.integrator, trust = o.trust,
     seed = o.seed, ["until"] = 0 }
   if not start.measures then return nil, start.failed end
   o.units = explained.measure_units
-  local list, why = data.read(o.data, start.measures, explained.duration, o.units)
+  local list, why = read_observations(o, explained, start)
   if not list then return nil, why end
+  local file = o.shape or o.data
   o.observations, o.plugin = list, start.integrator
   o.weighted, why = check_weights(list)
-  if why then return nil, ("%s: %s"):format(o.data, why) end
+  if why then return nil, ("%s: %s"):format(file, why) end
   if o.prior_words[1] and not o.weighted then
     return nil, ("--prior: the data have no standard deviations, beside which a prior has a weight: a column %s_sd in %s"):format(
-      list[1].name, o.data)
+      list[1].name, file)
   end
   if #list + #o.prior_words < #o.parameters then
-    return nil, ("%s: %d numbers cannot determine %d parameters: fit fewer, or measure more"):format(o.data, #list, #o.parameters)
+    return nil, ("%s: %d numbers cannot determine %d parameters: fit fewer, or measure more"):format(file, #list, #o.parameters)
   end
   return true
 end
@@ -128,13 +158,13 @@ local function prepare(o)
   local fine, wrong = take_priors(o)
   if not fine then return nil, wrong end
   local fingerprint = journal.of_scene(o.scene, o.params) .. journal.canonical { o.observations, o.names, o.integrator or "",
-    o.seed or "" }
+    o.seed or "", o.shape and o.at or "" }
   local why
   o.journal, why = journal.open(o.out .. "/runs.json", journal.hash(fingerprint))
   if not o.journal then return nil, why end
   o.runs = runs.new { scene = o.scene, names = o.names, observations = o.observations, given = o.params, trust = o.trust,
     seed = o.seed, integrator = o.integrator, adaptive = is_adaptive(o.plugin), tol = o.tol, journal = o.journal, jobs = o.jobs,
-    priors = o.priors }
+    priors = o.priors, shape = o.shape_of }
   return true
 end
 
@@ -142,7 +172,7 @@ end
 local function search(o)
   local starts, minima = { o.first, table.unpack(fitting.starts(o.starts, o.low, o.high)) }, {}
   local bar = progress.new { what = "fit", quiet = o.quiet }
-  o.runs.tick = function() bar:tick() end
+  o.bar, o.runs.tick = bar, function() bar:tick() end
   for k, start in ipairs(starts) do
     o.note = function(iteration, cost, p)
       report.keep(o, p, cost)
@@ -168,6 +198,10 @@ end
 
 -- The scene's own verdict with the best values, over its whole duration.
 local function judge(o, best)
+  if o.at == "rest" then
+    local there = o.runs:results({ best.p }, {})[1]
+    return { verdict = there.unstable and "not stable" or "ok", reason = "after a push it does not come back to that equilibrium" }
+  end
   local params, setting = {}, o.runs:setting(best.p, best.level)
   for name, value in pairs(o.params) do params[name] = value end
   for j, name in ipairs(o.names) do params[name] = ("%.17g"):format(best.p[j]) end
@@ -176,8 +210,9 @@ local function judge(o, best)
 end
 
 -- What hooke.fit{} of a script may say.
-local fields = { scene = "scene", data = "data", params = "params", by = "parameters", prior = "parameters", starts = "option",
-  tolerance = "option", accuracy = "option", most = "option", integrator = "option", seed = "option", jobs = "option" }
+local fields = { scene = "scene", data = "data", shape = "data", at = "option", params = "params", by = "parameters",
+  prior = "parameters", starts = "option", tolerance = "option", accuracy = "option", most = "option", integrator = "option",
+  seed = "option", jobs = "option" }
 
 local most_starts = 10000
 
@@ -187,7 +222,9 @@ local function options()
   local fine
   fine, why = command_line.take_scene("fit", o)
   if not fine then return nil, why end
-  if not o.data then return nil, "no data: --data FILE.csv" end
+  if not (o.data or o.shape) then return nil, "no data: --data FILE.csv, or --shape FILE.csv" end
+  if o.data and o.shape then return nil, "--data and --shape: give one of them" end
+  if o.data and o.at ~= "end" then return nil, "--at is for --shape: the times of --data are in its column t" end
   if o.starts > most_starts then return nil, ("--starts: %d are more than %d: take fewer"):format(o.starts, most_starts) end
   o.parameters, why = parameters.wanted(o.by)
   if not o.parameters then return nil, why end
@@ -211,10 +248,13 @@ local function ready(o)
   return prepare(o)
 end
 
+local now -- what is being fitted
+
 local function main()
   local o, why = options()
   if not o then return why and complain("%s", why) or 1 end
   local fine
+  now = o
   fine, why = ready(o)
   if not fine then return complain("%s", why) end
   local minima
@@ -231,4 +271,7 @@ local function main()
   return report.is_sure(minima[1]) and 0 or 2
 end
 
-return main()
+return interruption.guard("fit", main, function()
+  if now and now.bar then now.bar:finish() end
+  return report.interrupted(now or {})
+end)

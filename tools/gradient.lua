@@ -1,6 +1,7 @@
 -- hooke gradient SCENE.lua --of MEASURE --by NAME,NAME [name=value ...]: the derivative of a measure by parameters.
 -- It is that of the steps taken: forwards, one tangent for each parameter, or backwards, one adjoint for all of them. Beside
--- it stand what half the step changes, what rounding leaves, and the derivative by whole runs, with which it has to agree.
+-- it stand what half the step changes, what rounding leaves, and the derivative by whole runs, with which it has to agree. Where the
+-- measure has a kink, and at bounds, it is given for each side; with contact, correctors and one-sided constraints by whole runs.
 local argparse = require("argparse")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
@@ -8,6 +9,7 @@ local derivative = require("common.gradient.derivative")
 local files = require("common.run.file")
 local parameters = require("common.run.parameters")
 local report = require("common.gradient.report")
+local sides = require("common.gradient.sides")
 local units = require("common.run.units")
 
 local function complain(format, ...) return command_line.complain("gradient", format:format(...)) end
@@ -104,15 +106,15 @@ local function ready(o)
   return true
 end
 
--- Integrators whose steps can be differentiated, and their order by name.
+-- Integrators whose steps can be differentiated, and by name their order and whether they choose their steps.
 local function methods()
-  local names, order = {}, {}
+  local names, order, adaptive = {}, {}, {}
   for _, p in ipairs((hooke.catalogue())) do
-    if p.kind == "integrator" then order[p.name] = p.order end
+    if p.kind == "integrator" then order[p.name], adaptive[p.name] = p.order, p.adaptive end
     if p.kind == "integrator" and p.facets:find("stages/1", 1, true) then names[#names + 1] = p.name end
   end
   table.sort(names)
-  return names, order
+  return names, order, adaptive
 end
 
 -- Derivatives by the knots of a control go to found.knots; their sum, by all of it at once, stands in their place.
@@ -128,40 +130,121 @@ local function with_knots(o, found)
   return found
 end
 
-local function take(o, changes)
+local function case_of(o, changes)
   local case = {}
   for _, key in ipairs { "scene", "params", "parameters", "of", "at", "integrator", "dt", "seed", "trust", "backwards",
     "without" } do
     case[key] = o[key]
   end
   for key, value in pairs(changes) do case[key] = value end
-  local found = derivative.take(case)
+  return case
+end
+
+local function take(o, changes)
+  local found = derivative.take(case_of(o, changes))
   return found.slopes and with_knots(o, found) or found
 end
 
--- The derivative and its errors, from a run, one whose differences are wider, and one of half the step.
-local function find(o)
-  local names, order = methods()
-  local found = take(o, { compare = true })
-  if found.failed and o.way == "auto" and o.backwards and not o.by_controls and found.failed:find("take it forwards", 1, true) then
-    o.backwards = false
-    found = take(o, { compare = true })
+-- ---- by whole runs, on both sides ----
+
+-- What both sides of each parameter say that is wanted (else false), with steps of dt, and the run at the value itself; or nil and why
+-- that fails.
+local function both_sides(o, dt, wanted)
+  local case, list = case_of(o, { dt = dt }), {}
+  local here = sides.here(case)
+  if not here.value then return nil, here.failed end
+  case.dt = dt or not o.adaptive and here.dt or nil
+  for j in ipairs(o.parameters) do list[j] = wanted(j) and sides.of(case, here.value, j) or false end
+  return list, here
+end
+
+-- The same, and what half the step does to it where the method has fixed ones; third: why that is not known.
+local function refined_sides(o, dt, gain, wanted)
+  local list, here = both_sides(o, dt, wanted)
+  if not list or o.adaptive then return list, here end
+  local finer, refused = both_sides(o, here.dt / 2, function(j) return list[j] and sides.tells(list[j]) end)
+  for j, both in ipairs(finer and list or {}) do
+    if both and finer[j] then sides.refine(both, finer[j], gain / (gain - 1)) end
   end
-  if found.failed then
-    local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ")
-      or found.failed:find("kicks and drifts", 1, true) and "; these are leapfrog and symplectic_euler" or ""
-    return nil, found.failed .. other
+  return list, here, not finer and refused or nil
+end
+
+-- In the place of the derivative of the steps, which is not to be had for this reason.
+local function by_whole_runs(o, reason, gain)
+  for _, p in ipairs(o.parameters) do
+    if p.values then return nil, reason end
   end
-  local wider = take(o, { factor = 4, dt = o.dt or not found.tol and found.dt or nil })
+  local list, here, refused = refined_sides(o, o.dt, gain, function() return true end)
+  if not list then return nil, here end
+  local found = { whole = reason, value = here.value, dt = here.dt, steps = here.steps, inaccurate = here.inaccurate, sides = list,
+    slopes = {}, rounding = {}, by_steps = {}, knots = {}, runs = {}, noise = {}, beside = {}, unrefined = refused }
+  for j, both in ipairs(list) do
+    local smooth = both.kind == "smooth"
+    found.slopes[j] = smooth and (both[1].slope + both[-1].slope) / 2 or 0 / 0
+    found.rounding[j] = smooth and math.max(both[1].error, both[-1].error) or 0 / 0
+    found.by_steps[j] = smooth and both[1].by_steps and math.max(both[1].by_steps, both[-1].by_steps) or nil
+    found.knots[j], found.beside[j] = false, {}
+  end
+  return found
+end
+
+-- Where the derivative of the steps may be that of one side alone.
+local function look_at_both(o, found, gain)
+  found.sides = {}
+  local any = false
+  local function wanted(j) return not o.parameters[j].values and report.suspects(found, j) end
+  for j in ipairs(o.parameters) do any = any or wanted(j) end
+  if not any then return end
+  found.sides = refined_sides(o, o.dt or not found.tol and found.dt or nil, gain, wanted) or {}
+  for j, both in ipairs(found.sides) do
+    if both and (both.kind == "kink" or both.kind == "jump") then found.slopes[j] = 0 / 0 end
+  end
+end
+
+-- ---- the derivative and its errors, from a run, one whose differences are wider, and one of half the step ----
+
+local function add_errors(o, found, order, gain)
+  local wider = take(o, { factor = derivative.wider, dt = o.dt or not found.tol and found.dt or nil })
   -- of a method that chooses its steps the error of one is that of its tolerance, of the next order
-  local finer = take(o, { dt = found.dt / 2, tol = found.tol and found.tol / 2 ^ ((order[o.plugin] or 1) + 1) })
+  local finer = take(o, { dt = found.dt / 2, tol = found.tol and found.tol / 2 ^ (order + 1) })
   found.rounding, found.by_steps, found.wider, found.unrefined = {}, {}, {}, finer.failed
-  local gain = 2 ^ (order[o.plugin] or 1)
   for j, slope in ipairs(found.slopes) do
     found.rounding[j] = wider.slopes and math.max(math.abs(wider.slopes[j] - slope), found.noise[j] / 128) or 0 / 0 -- or half a bit
     found.by_steps[j] = finer.slopes and math.abs(finer.slopes[j] - slope) * gain / (gain - 1)
     found.wider[j] = wider.slopes and wider.slopes[j]
   end
+end
+
+local function bound_of(o)
+  for _, p in ipairs(o.parameters) do
+    if sides.at_bound(p) then return ("%s = %.9g is at its bound, where a derivative is one-sided"):format(p.name, p.start) end
+  end
+end
+
+local function by_steps(o, names, order, gain)
+  local found = take(o, { compare = true })
+  if found.failed and o.way == "auto" and o.backwards and not o.by_controls and found.failed:find("take it forwards", 1, true) then
+    o.backwards = false
+    found = take(o, { compare = true })
+  end
+  if found.failed and sides.replace(found.failed) then return by_whole_runs(o, found.failed:match("^[^:]*"), gain) end
+  if found.failed then
+    local other = found.failed:find("stages/1", 1, true) and "; there are " .. table.concat(names, ", ")
+      or found.failed:find("kicks and drifts", 1, true) and "; these are leapfrog and symplectic_euler" or ""
+    return nil, found.failed .. other
+  end
+  add_errors(o, found, order, gain)
+  look_at_both(o, found, gain)
+  return found
+end
+
+local function find(o)
+  local names, orders, adaptive = methods()
+  o.adaptive = adaptive[o.plugin]
+  local order, bound = orders[o.plugin] or 1, bound_of(o)
+  local found, why
+  if bound then found, why = by_whole_runs(o, bound, 2 ^ order) else found, why = by_steps(o, names, order, 2 ^ order) end
+  if not found then return nil, why end
   found.doubts, found.remarks = report.doubts(o, found), report.remarks(o, found)
   return found
 end

@@ -10,6 +10,7 @@ local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local description = require("common.run.description")
 local files = require("common.run.file")
+local interruption = require("common.run.interruption")
 local journal = require("common.bench.journal")
 local memory = require("common.optimise.memory")
 local report = require("common.optimise.report")
@@ -81,7 +82,7 @@ local function open_memory(o)
   if not made then return nil, refused end
   o.memory, why = memory.open(o.out .. "/evaluations.json", journal.of_scene(o.scene, o.params) .. journal.canonical { o.controls,
     o.goals, o.cost or "", o.integrator or "", o.dt or "", o.without })
-  o.keep = function(controls) report.keep(o, controls) end
+  o.keep = function(controls, cost, missing) report.keep(o, controls, cost, missing) end
   return o.memory, why
 end
 
@@ -108,10 +109,13 @@ local function ready(o)
   return open_memory(o)
 end
 
+local now -- what is being optimised
+
 local function main()
   local o, why = options()
   if not o then return why and complain("%s", why) or 1 end
   local fine
+  now = o
   fine, why = ready(o)
   if not fine then return complain("%s", why) end
   local optima
@@ -130,4 +134,7 @@ local function main()
   return #optima[1].doubts == 0 and 0 or 2
 end
 
-return main()
+return interruption.guard("optimise", main, function()
+  if now and now.bar then now.bar:finish() end
+  return report.interrupted(now or {})
+end)

@@ -270,7 +270,6 @@ scene:measure("y", function(s) return s:position(p)[1] end)
 ]] .. body .. "\nreturn scene\n")
   refused(name .. ".lua --of y --by k", wanted)
 end
-one("tether", 'scene:pin { q }\nscene:constraint("cables", { edges = { { p, q } } })', "constraint 'cables' acts on one side only")
 one("channel", 'scene:channel("heat", { initial = 1, rate = function() return -1 end })', "the scene has channels")
 one("late", 'scene:force("drag", { d = k, from = 0.5 })', "force 'drag' begins or ends at a time")
 one("let_go", 'scene:pin({ q }, { release = 0.5 })', "a pin is released at t = 0.5 s")

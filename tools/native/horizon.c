@@ -179,19 +179,20 @@ static int factor(lua_State *L) {
   return 1;
 }
 
-/* h:least(slope, prices, off, missing) -> the controls' changes, those of the goals, those of the states and the
- * multipliers of every segment's equations. slope of the cost by the controls, prices of the goals (what a unit of each
- * costs), off of every segment's equations (a list a segment), missing of every number whose square is in the matrix;
- * nil: 0. */
+/* h:least(slope, prices, off, missing, by_states) -> the controls' changes, those of the goals, those of the states and
+ * the multipliers of every segment's equations. slope of the cost by the controls, prices of the goals (what a unit of
+ * each costs), off of every segment's equations (a list a segment), missing of every number whose square is in the
+ * matrix, slope of the cost by the states (a list a knot); nil: 0. */
 static int least(lua_State *L) {
   const horizon *h = self(L);
   size_t n = h->knots, d = h->d;
-  lua_settop(L, 5);
-  const double *gu = read_controls(L, 2), *off = read_states(L, 4, n - 1);
+  lua_settop(L, 6);
+  const double *gu = read_controls(L, 2), *off = read_states(L, 4, n - 1), *by_states = read_states(L, 6, n);
   double *gx = room(L, n * d), *x = room(L, n * d), *u = room(L, n * h->m), *y = room(L, h->goals);
   double *price = room(L, h->goals), *missing = room(L, h->goals), *list = room(L, (n - 1) * d);
   if (!lua_isnil(L, 3)) read_list(L, 3, price, h->goals);
   if (!lua_isnil(L, 5)) read_list(L, 5, missing, h->goals);
+  if (by_states) memcpy(gx, by_states, n * d * sizeof *gx);
   for (size_t g = 0; g < h->goals; g++)
     for (size_t i = 0; i < d; i++)
       gx[h->goal[g].knot * d + i] += price[g] * h->goal[g].slope[i] + h->square * missing[g] * h->goal[g].square[i];

@@ -1,4 +1,5 @@
-/* resting: static equilibrium of a run, for `hooke rest`. */
+/* resting: static equilibrium of a run, for `hooke rest` and shapes of `hooke fit`; and what single particles are
+ * called. */
 #include "core/app/lua/lua.h"
 #include "tools/native/common/equilibrium.h"
 
@@ -51,9 +52,25 @@ static int write_state(lua_State *L) {
   return 2;
 }
 
+/* groups(run) -> { name = the id of the group's one particle, or false where it has several } */
+static int groups(lua_State *L) {
+  const hk_state *s = &hk_lua_run(L)->state;
+  lua_createtable(L, 0, (int)s->start->groups);
+  for (size_t i = 0; i < s->model.n; i++) {
+    const char *name = s->start->group_name[s->group[i]];
+    if (lua_getfield(L, -1, name) == LUA_TNIL)
+      lua_pushinteger(L, s->id[i]);
+    else
+      lua_pushboolean(L, 0);
+    lua_setfield(L, -3, name);
+    lua_pop(L, 1);
+  }
+  return 1;
+}
+
 __attribute__((visibility("default"))) int luaopen_resting(lua_State *L);
 int luaopen_resting(lua_State *L) {
-  static const luaL_Reg functions[] = {{"find", find}, {"write", write_state}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"find", find}, {"write", write_state}, {"groups", groups}, {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

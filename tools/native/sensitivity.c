@@ -29,6 +29,12 @@ static void solve_to_rounding(const hk_run *run) {
   }
 }
 
+/* to_rounding(run): steps that are solved for meet their equations, as in a record. */
+static int to_rounding(lua_State *L) {
+  solve_to_rounding(hk_lua_run(L));
+  return 0;
+}
+
 /* record(run [, reach]): keeps the steps of a run from here on; or nil and why they cannot be differentiated. `reach`:
  * how far differences of the measure go, in parts of what they do otherwise. */
 static int begin(lua_State *L) {
@@ -132,6 +138,28 @@ static hk_status differ(record *r, size_t j, double t, const double *X, const do
   if (status == HK_OK) status = hk_record_measure_at(r, r->less[j], t, hk_record_moved(r, X, dX, -by), &less);
   if (status == HK_OK) *slope = (more - less) / (2 * by);
   return status;
+}
+
+/* record:direct(measure, t, X) -> the derivatives of the measure at t in the state X by the values of every function of
+ * time there; or nil and a reason. */
+static int direct_slopes(lua_State *L) {
+  record *r = hk_record_at(L);
+  double t = luaL_checknumber(L, 3), slope[HK_RECORD_MOST];
+  size_t size = 6 * r->steps->n;
+  luaL_checktype(L, 4, LUA_TTABLE);
+  luaL_argcheck(L, lua_rawlen(L, 4) == size, 4, "6 numbers a particle");
+  double *X = lua_newuserdatauv(L, (size + 1) * sizeof *X, 0);
+  for (size_t e = 0; e < size; e++, lua_pop(L, 1)) {
+    lua_rawgeti(L, 4, (lua_Integer)e + 1);
+    X[e] = lua_tonumber(L, -1);
+  }
+  r->measure = hk_record_measure_named(L, r, 2);
+  hk_error_clear(&r->error);
+  hk_status status = HK_OK;
+  for (size_t j = 0; j < r->count && status == HK_OK; j++) status = differ(r, j, t, X, NULL, &slope[j]);
+  if (status != HK_OK) return hk_record_refuse(L, &r->error);
+  hk_record_push(L, slope, r->count);
+  return 1;
 }
 
 /* ---- forwards ---- */
@@ -301,7 +329,7 @@ static int refusal(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_sensitivity(lua_State *L);
 
 int luaopen_sensitivity(lua_State *L) {
-  static const luaL_Reg functions[] = {{"record", begin}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"record", begin}, {"to_rounding", to_rounding}, {NULL, NULL}};
   static const luaL_Reg methods[] = {{"vary", vary},
                                      {"finish", finish},
                                      {"about", about},
@@ -312,8 +340,11 @@ int luaopen_sensitivity(lua_State *L) {
                                      {"replayed", replayed},
                                      {"times", hk_record_times},
                                      {"segment", hk_record_segment},
+                                     {"curves", hk_record_curves},
+                                     {"place", hk_record_place},
                                      {"assign", hk_record_assign},
                                      {"survey", hk_record_survey},
+                                     {"direct", direct_slopes},
                                      {NULL, NULL}};
   luaL_newmetatable(L, hk_record_type);
   lua_pushcfunction(L, close_record);

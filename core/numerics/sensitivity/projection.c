@@ -216,6 +216,22 @@ hk_status hk_projection_step(hk_sensitivity *s, const hk_taken_step *step, hk_ca
   return status;
 }
 
+hk_status hk_projection_place(hk_sensitivity *s, const hk_taken_step *step, double *Z) {
+  hk_projection *p = s->projection;
+  size_t v = 3 * s->n;
+  double *X = p->work + 2 * v;
+  memcpy(p->from, Z, v * sizeof *Z);
+  memcpy(X, Z, v * sizeof *X);
+  memset(X + v, 0, v * sizeof *X);
+  hk_status status = drift(s, step, Z, X);
+  memcpy(X + v, Z + v, v * sizeof *X);
+  if (status == HK_OK) status = settle(s, step, X);
+  memcpy(p->after, X, v * sizeof *X);
+  memcpy(p->end, X + v, v * sizeof *X);
+  memcpy(Z, X, 2 * v * sizeof *X);
+  return status;
+}
+
 /* ---- tangents ---- */
 
 /* to += W q, and what masses that change by dm make of W J^T l, in `push`: -dm/m of it. */

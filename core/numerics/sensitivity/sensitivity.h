@@ -140,7 +140,8 @@ hk_status hk_sensitivity_adjoint(hk_sensitivity *, double *X, const hk_varied *,
 
 /* ---- segment.c ---- */
 
-/* The steps first to last - 1 from X (6n) at the begin of the first, between two knots that follow each other. On
+/* The steps first to last - 1 from X (6n) at the begin of the first, between two knots that follow each other; X is put
+ * onto the constraints first, which is all that no steps do. On
  * return X is the state at their end; J, NULL: not wanted, has the derivatives of that by every number of X, and then
  * by the values of every function of time at both knots: (6n + 2 controls) x 6n. A method that carries an acceleration
  * over evaluates it anew at `first`: where forces depend on velocities that is not quite the run. */

@@ -27,6 +27,20 @@ local function without_units(cells, said)
   return true
 end
 
+-- The number in a cell; nil: it is empty. Or false and what is wrong.
+function data.number(name, cell)
+  local x = tonumber(cell)
+  if cell == "" then return nil end
+  if is_finite(x) then return x end
+  return false, ("%s: '%s' is not a finite number: the cell of a gap stays empty"):format(name, cell)
+end
+
+-- Whether there are as many cells as columns; or nil and what is wrong.
+function data.fills(cells, columns)
+  if #cells == #columns then return true end
+  return nil, ("%d numbers, and %d columns: the cell of a gap stays empty between its commas"):format(#cells, #columns)
+end
+
 -- What each column holds: { time = true }, { measure = name } or { sd = name }; or nil and what is wrong.
 local function columns_of(cells, known)
   local columns, found, list = {}, {}, {}
@@ -59,14 +73,11 @@ end
 -- Adds the observations of one line; or nil and what is wrong.
 local function read_line(cells, columns, names, duration, list, number)
   local value = {}
-  if #cells ~= #columns then
-    return nil, ("%d numbers, and %d columns: the cell of a gap stays empty between its commas"):format(#cells, #columns)
-  end
+  local filled, few = data.fills(cells, columns)
+  if not filled then return nil, few end
   for k, cell in ipairs(cells) do
-    local x = tonumber(cell)
-    if cell ~= "" and not is_finite(x) then
-      return nil, ("%s: '%s' is not a finite number: the cell of a gap stays empty"):format(names[k], cell)
-    end
+    local x, wrong = data.number(names[k], cell)
+    if x == false then return nil, wrong end
     if columns[k].time and not x then return nil, "the time is missing: give it, or leave the line out" end
     if columns[k].sd and x and x <= 0 then
       return nil, ("%s: '%s' is not positive: give a standard deviation, or leave the column out"):format(names[k], cell)
@@ -84,9 +95,9 @@ local function read_line(cells, columns, names, duration, list, number)
   return true
 end
 
--- known: { name = true } of the scene's measures; duration: of its run, s. Returns the observations { t, name, value, sd,
--- line } by their times, or nil and a sentence that begins with the file and its line. said: units of measures, { name = unit }.
-function data.read(path, known, duration, said)
+-- The lines of a table: begin(cells) is told the first, add(cells, number) the others, and each says true, or nil and what is wrong.
+-- Returns true; or nil and a sentence that begins with the file and its line.
+function data.lines(path, begin, add)
   local file, why = io.open(path)
   if not file then return nil, ("cannot read %s"):format(why) end
   if not file:read(0) and file:seek("end") ~= 0 then
@@ -94,26 +105,33 @@ function data.read(path, known, duration, said)
     return nil, ("cannot read %s: it is no file of text, but perhaps a folder"):format(path)
   end
   file:seek("set")
-  local names, columns, list, number = nil, nil, {}, 0
+  local begun, number, fine, wrong = false, 0, true, nil
   for line in file:lines() do
     number = number + 1
     if number == 1 then line = line:gsub("^\xEF\xBB\xBF", "") end
     line = line:gsub("\r$", "")
     if line ~= "" and line:sub(1, 1) ~= "#" then
-      local fine, wrong
-      if not columns then
-        names = split(line)
-        fine, wrong = without_units(names, said or {})
-        if fine then columns, wrong = columns_of(names, known) end
-        fine = columns
-      else fine, wrong = read_line(split(line), columns, names, duration, list, number) end
-      if not fine then
-        file:close()
-        return nil, ("%s:%d: %s"):format(path, number, wrong)
-      end
+      if begun then fine, wrong = add(split(line), number) else fine, wrong = begin(split(line)) end
+      begun = true
+      if not fine then break end
     end
   end
   file:close()
+  if not fine then return nil, ("%s:%d: %s"):format(path, number, wrong) end
+  return true
+end
+
+-- known: { name = true } of the scene's measures; duration: of its run, s. Returns the observations { t, name, value, sd,
+-- line } by their times, or nil and a sentence that begins with the file and its line. said: units of measures, { name = unit }.
+function data.read(path, known, duration, said)
+  local names, columns, list = nil, nil, {}
+  local fine, why = data.lines(path, function(cells)
+    local same, wrong = without_units(cells, said or {})
+    names = cells
+    if same then columns, wrong = columns_of(cells, known) end
+    return columns, wrong
+  end, function(cells, number) return read_line(cells, columns, names, duration, list, number) end)
+  if not fine then return nil, why end
   if #list == 0 then return nil, ("%s: there is no number of a measure in it"):format(path) end
   table.sort(list, function(a, b) return a.t < b.t or a.t == b.t and a.line < b.line end)
   return list

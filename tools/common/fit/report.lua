@@ -16,10 +16,20 @@ local report = {}
 -- The best of this moment, as words to run the scene with: what is left of a fit that is ended.
 function report.keep(o, p, cost)
   if o.kept and o.kept <= cost then return end
-  o.kept = cost
+  o.kept, o.kept_values = cost, p
   local words = {}
   for j, name in ipairs(o.names) do words[j] = ("%s=%.17g"):format(name, p[j]) end
   files.write(o.out .. "/now.txt", table.concat(words, " ") .. "\n")
+end
+
+-- What is left of a fit that is interrupted, behind that word.
+function report.interrupted(o)
+  if not o.runs then return " before its first run: nothing is kept, and the same command begins again" end
+  local count = o.journal.count + o.runs.count
+  local kept = ("%d run%s kept in %s/runs.json, from which the same command goes on"):format(count, count == 1 and " is" or "s are", o.out)
+  if not o.kept then return (" before its first iteration: %s"):format(kept) end
+  return (": the best so far, %s with a sum of squares of %.6g, stands in %s/now.txt, and %s"):format(report.values(o, o.kept_values),
+    o.kept, o.out, kept)
 end
 
 function report.forget(o) os.remove(o.out .. "/now.txt") end
@@ -47,13 +57,24 @@ local function blind_words(o, direction)
     #parts == 2 and "the two" or "these", table.concat(parts, ", "))
 end
 
+-- Of the data's size: below it residuals are those of the runs' own rounding and of equations that are solved.
+local rounding = 1e-9
+
+local function is_rounding(o, best)
+  local most, size = 0, 0
+  for k, x in ipairs(o.observations) do
+    most, size = math.max(most, math.abs(best.r[k]) * (x.sd or 1)), math.max(size, math.abs(x.value))
+  end
+  return most <= rounding * size
+end
+
 -- Residuals that are each like the one before, and not for the steps; or that are far more than their deviations.
 local function residual_words(o, best)
   local free, kinds, list, by_steps = #best.r - #best.p, {}, {}, 0
   for k = 1, #best.r do kinds[k] = o.observations[k] and o.observations[k].name or k end -- a prior is one of its kind
   for _, x in ipairs(best.change or {}) do by_steps = by_steps + x * x end
   local serial = statistics.serial_correlation(best.r, kinds)
-  if #best.r >= 10 and serial > 0.5 and best.cost > 100 * by_steps then
+  if #best.r >= 10 and serial > 0.5 and best.cost > 100 * by_steps and not is_rounding(o, best) then
     list[1] = (("the residuals follow each other (correlation %.2f): the scene lacks what the data have, or there is a better "
       .. "minimum elsewhere: --starts 10"):format(serial))
   end
@@ -123,10 +144,11 @@ local function head(o, best)
     if not seen[x.name] then measures[#measures + 1] = x.name end
     seen[x.name] = true
   end
-  local setting = o.runs.adaptive and ("tolerance %.3g"):format(o.runs:setting(best.p, best.level).tol)
+  if o.shape then measures = { "a shape" } end
+  local setting = o.at == "rest" and "at rest" or o.runs.adaptive and ("tolerance %.3g"):format(o.runs:setting(best.p, best.level).tol)
     or ("steps of %.4g s"):format(o.runs.dt / 2 ^ best.level)
-  return ("%s: %s from %d numbers of %s (%s, %s, %d runs)"):format(o.scene:match("([^/]+)$"), table.concat(o.names, ", "),
-    #o.observations, table.concat(measures, ", "), o.plugin, setting, o.runs.count)
+  return ("%s: %s from %d numbers of %s (%s%s, %d runs)"):format(o.scene:match("([^/]+)$"), table.concat(o.names, ", "),
+    #o.observations, table.concat(measures, ", "), o.at == "rest" and "" or o.plugin .. ", ", setting, o.runs.count)
 end
 
 local function correlations(o, best)
@@ -199,7 +221,8 @@ end
 local function json_text(o, minima)
   local list = {}
   for k, state in ipairs(minima) do list[k] = state_json(o, state) end
-  return journal.encode { scene = o.scene, data = o.data, integrator = o.plugin, runs = o.runs.count, minima = list,
+  return journal.encode { scene = o.scene, data = o.data or journal.json.null, shape = o.shape or journal.json.null,
+    at = o.shape and o.at or journal.json.null, integrator = o.plugin, runs = o.runs.count, minima = list,
     answer = o.answer == nil and journal.json.null or o.answer, doubts = journal.list(minima[1].doubts),
     sure = report.is_sure(minima[1]) }
 end
@@ -208,7 +231,8 @@ local function csv_text(o, best)
   local lines = { "t,measure,data,deviation,fit,residual" }
   for k, x in ipairs(o.observations) do
     local residual = best.r[k] * (x.sd or 1)
-    lines[k + 1] = table.concat({ csv.cell(x.t), csv.text(x.name), csv.cell(x.value), csv.cell(x.sd),
+    lines[k + 1] = table.concat({ csv.cell(o.at ~= "rest" and x.t or nil), csv.text(x.particle and ("%s of %d"):format(x.name,
+      x.particle) or x.name), csv.cell(x.value), csv.cell(x.sd),
       csv.cell(x.value + residual), csv.cell(residual) }, ",")
   end
   return table.concat(lines, "\n") .. "\n"
@@ -216,16 +240,20 @@ end
 
 -- ---- diagrams ----
 
+-- Where an observation stands: at its time, or a shape's at its particle.
+local function place_of(x) return x.particle or x.t end
+
 local function draw(o, best, name, path)
   local measured, fitted = {}, {}
   for k, x in ipairs(o.observations) do
     if x.name == name then
-      measured[#measured + 1] = { x.t, x.value }
-      fitted[#fitted + 1] = { x.t, x.value + best.r[k] * (x.sd or 1) }
+      measured[#measured + 1] = { place_of(x), x.value }
+      fitted[#fitted + 1] = { place_of(x), x.value + best.r[k] * (x.sd or 1) }
     end
   end
   return plot.draw(path, { title = ("%s: %s"):format(o.scene:match("([^/]+)$"), report.values(o, best.p)),
-    x = { label = "t, s" }, y = { label = units.label(name, o.units[name]) }, curves = {
+    x = { label = o.shape and "particle" or "t, s" },
+    y = { label = units.label(name, o.shape and "m" or o.units[name]) }, curves = {
       { title = "data", points = measured, lines = false },
       { title = "fit", points = fitted, marks = false } } })
 end
@@ -243,10 +271,10 @@ local function draw_residuals(o, best)
   for k, x in ipairs(o.observations) do
     local curve = by_name[x.name] or { title = x.name, points = {}, lines = false }
     if not by_name[x.name] then curves[#curves + 1], by_name[x.name] = curve, curve end
-    curve.points[#curve.points + 1] = { x.t, best.r[k] }
+    curve.points[#curve.points + 1] = { place_of(x), best.r[k] }
   end
-  return plot.draw(o.out .. "/fit.residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")), x = { label = "t, s" },
-    y = { label = residual_axis(o) }, curves = curves })
+  return plot.draw(o.out .. "/fit.residuals", { title = ("%s: residuals"):format(o.scene:match("([^/]+)$")),
+    x = { label = o.shape and "particle" or "t, s" }, y = { label = residual_axis(o) }, curves = curves })
 end
 
 -- Of two parameters the ellipse (p - best)^T C^-1 (p - best) = limit, C their covariance: with its axes x = a cos u, y = b sin(u + f),

@@ -2,12 +2,14 @@
 -- of its own, several at a time, and none twice, also not after an interruption, where there is a journal.
 local case_process = require("common.run.case_process")
 local process = require("process")
+local shape = require("common.fit.shape")
 
 local runs = {}
 runs.__index = runs
 
 -- In the process of a case: what the observations are of, as texts, since JSON keeps fewer digits.
 local function execute(case)
+  if case.shape and case.shape.rest then return shape.at_rest(case) end
   local scene, refused = hooke.load(case.scene, case.params, { integrator = case.integrator, solver = case.solver, dt = case.dt,
     tol = case.tol, seed = case.seed, threads = 1, trust = case.trust, output = false })
   if not scene then return { failed = refused } end
@@ -18,16 +20,23 @@ local function execute(case)
       if not fine then return { failed = (tostring(found):gsub("^[^\n]-:%d+: (run: to: )", "%1")) } end -- this file is no place
       run, t, measured = found, o.t, found:measures()
     end
+    if case.shape then break end
     if not measured[o.name] then return { failed = ("the measure '%s' is not finite at t = %g s"):format(o.name, o.t) } end
     values[k] = ("%.17g"):format(measured[o.name])
   end
   local s = run:summary()
   if s.verdict == "diverged" then return { failed = s.reason or "it diverged" } end
+  if case.shape then
+    local why
+    values, why = shape.at_time(run, case)
+    if not values then return { failed = why } end
+  end
   return { values = values, dt = ("%.17g"):format(s.dt_max) }
 end
 
 -- options: scene, names (of the parameters), observations (in the order of time), given (other parameters), trust, seed,
--- integrator, solver, adaptive, journal, jobs, timeout, tick(), priors ({ mean =, sd = } or false of
+-- shape ({ rest = } or nil: the observations are places of particles, all at one time, or at rest), integrator, solver, adaptive,
+-- journal, jobs, timeout, tick(), priors ({ mean =, sd = } or false of
 -- each parameter, or nil). `level`: how often the step has been halved, or the
 -- tolerance of an adaptive method, at first `tol`, made a tenth.
 function runs.new(options)
@@ -41,7 +50,7 @@ local function case_of(self, p, setting)
   for name, value in pairs(self.given) do params[name] = value end
   for j, name in ipairs(self.names) do params[name] = ("%.17g"):format(p[j]) end
   return { scene = self.scene, params = params, integrator = self.integrator, solver = self.solver, dt = setting.dt,
-    tol = setting.tol, seed = self.seed, trust = self.trust, observations = self.observations, execute = execute,
+    tol = setting.tol, seed = self.seed, trust = self.trust, observations = self.observations, execute = execute, shape = self.shape,
     timeout = self.timeout }
 end
 
@@ -82,6 +91,7 @@ end
 -- The setting of runs at a level. Those of differences have the steps of the run at `base`: steps that are chosen for each
 -- would jump with the parameters.
 function runs:setting(base, level, differences)
+  if self.shape and self.shape.rest then return {} end
   if self.adaptive then return { tol = self.tol / 10 ^ level } end
   if level == 0 and not differences then return {} end
   local chosen = self:results({ base }, {})[1]

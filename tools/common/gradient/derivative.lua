@@ -12,6 +12,7 @@ local part = 2 ^ -17 * 1e3
 -- (tests/bench/sensitivity.c), and two evaluations a step each where it is no number of a force that gives derivatives by its
 -- own, nor a mass.
 derivative.most_forwards = 8
+derivative.wider = 4 -- the differences of the second time
 derivative.most = 64 -- at a time, tools/native/sensitivity.c
 
 -- The text of a function of time (scripts/lib/control.lua), all of it larger by `by`.
@@ -37,6 +38,9 @@ local function change_of(p, factor)
   if p.start - by >= p.low and p.start + by <= p.high then return by end
   return nil, ("%s = %.9g is at its bound, where a derivative is one-sided: take a value %.2g inside"):format(p.name, p.start, by)
 end
+
+-- Whether differences of all widths that are taken stay within the bounds of the parameter.
+function derivative.fits(p) return change_of(p, derivative.wider) ~= nil end
 
 -- ---- in the process of a case ----
 
@@ -97,15 +101,16 @@ local rounding = 64 * 2 ^ -52
 
 -- The derivative by whole runs, at all frames and the end, or where the method chooses its steps by the same steps, at the
 -- end: what the steps' own has to agree with, unless there is a kink between. { whole (at the end), slopes (at the frames;
--- nil: by the same steps), noise (the part of rounding in them), steps (the longest of either run, s) }, or nil and why they
--- do not reach it.
+-- nil: by the same steps), noise (the part of rounding in them), steps (the longest of either run, s), ends (the measure where the
+-- parameter is larger and smaller), by (by so much) }, or nil and why they do not reach it.
 local function by_runs(case, record, j, both, fps)
   local a, b = record:replayed(case.of, j)
   if b == true then return nil, "the same steps fail there" end
   if a then
-    return { whole = (a - b) / (2 * both.by), noise = rounding * math.max(math.abs(a), math.abs(b)) / both.by, steps = {} }
+    return { whole = (a - b) / (2 * both.by), noise = rounding * math.max(math.abs(a), math.abs(b)) / both.by, steps = {},
+      ends = { a, b }, by = both.by }
   end
-  local found, most, more, less = { slopes = {} }, 0, nil, nil
+  local found, most, more, less = { slopes = {}, by = both.by }, 0, nil, nil
   for k = 0, math.ceil(case.at * fps - 1e-6) do
     local t = math.min(k / fps, case.at)
     local why, reason
@@ -116,7 +121,7 @@ local function by_runs(case, record, j, both, fps)
     most = math.max(most, math.abs(a), math.abs(b))
     found.slopes[k + 1] = (a - b) / (2 * both.by)
   end
-  found.whole, found.noise = found.slopes[#found.slopes], rounding * most / both.by
+  found.whole, found.noise, found.ends = found.slopes[#found.slopes], rounding * most / both.by, { a, b }
   found.steps = { more:summary().dt_max, less:summary().dt_max }
   return found
 end
@@ -139,7 +144,7 @@ end
 local most_growth = 0.5
 
 -- Why the run's derivative would say nothing, or nil.
-local function grown(summary)
+function derivative.grown(summary)
   local growth = summary.energy and summary.energy.drift
   if not growth or growth ~= growth or growth <= most_growth then return nil end
   return (("the run explodes: its energy grew by %.3g of the largest kinetic energy without a source, and its derivative says "
@@ -158,7 +163,7 @@ local function execute(case)
   run, why = derivative.advance(scene, case.at)
   if not run then return { failed = why } end
   local summary = run:summary()
-  why = grown(summary)
+  why = derivative.grown(summary)
   if why then return { failed = why } end
   local fine
   fine, why = record:finish()

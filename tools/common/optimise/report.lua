@@ -127,10 +127,24 @@ local function csv_text(controls)
 end
 
 -- The controls of this moment, as texts that the scene can be run with: what is left of a search that is ended.
-function report.keep(o, controls)
+function report.keep(o, controls, cost, missing)
+  o.kept = { cost = cost, missing = missing }
   for _, control in ipairs(controls) do
     files.write(("%s/now-%s.txt"):format(o.out, control.name), derivative.control_text(control, 0) .. "\n")
   end
+end
+
+-- What is left of a search that is interrupted, behind that word. The best optimum of the starts before takes the place of the controls
+-- of the moment.
+function report.interrupted(o)
+  if not o.memory then return " before its first run: nothing is kept, and the same command begins again" end
+  local kept = ("what was evaluated is kept in %s/evaluations.json, from which the same command goes on"):format(o.out)
+  if not o.kept then return (" before its first iteration: %s"):format(kept) end
+  if o.best then report.keep(o, o.best.controls, o.best.cost) end
+  local what = o.best and "the best optimum so far, with a cost of %.6g,"
+    or ("the controls of the moment, with a cost of %%.6g and goals missed by %.2g,"):format(o.kept.missing)
+  return (": %s stand%s in %s/now-%s.txt, and %s"):format(what:format(o.kept.cost), o.best and "s" or "", o.out,
+    #o.controls == 1 and o.controls[1].name or "NAME", kept)
 end
 
 -- The name of a single control, and what the scene says of it, which has its unit.

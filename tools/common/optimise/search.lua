@@ -59,7 +59,6 @@ end
 -- Every goal with the knot at which it is; or nil and why transcription cannot take these.
 local function goals_at_knots(o, controls, goals)
   local first, list = controls[1], {}
-  if o.cost then return nil, "--way transcription: the cost is the controls' squares; scene:cost() is for shooting" end
   for _, control in ipairs(controls) do
     if #control.values ~= #first.values or control.duration ~= first.duration then
       return nil, ("--way transcription: %s and %s need the same knots"):format(first.name, control.name)
@@ -67,6 +66,10 @@ local function goals_at_knots(o, controls, goals)
   end
   if first.duration > o.at then
     return nil, ("--way transcription: %s goes on to %.9g s, after the last goal at %.9g s"):format(first.name, first.duration, o.at)
+  end
+  if o.cost and first.duration < o.at * (1 - 1e-9) then
+    return nil, ("--way transcription: the cost is taken to %.9g s, after the last knot of %s at %.9g s: give the controls that duration")
+      :format(o.at, first.name, first.duration)
   end
   for g, goal in ipairs(goals) do
     local place = goal.at / first.duration * (#first.values - 1)
@@ -101,12 +104,12 @@ local function transcribed_with(o, controls, u, nodes, note, asked_for)
   local case = { parameters = with_values(controls, saved and saved.u or u), goals = goals, params = asked_for.params,
     options = { start = u, saved = saved, nodes = nodes, guess = o.guess, interval = first.duration / (count - 1), knots = count,
       controls = #controls, goals = goals, negligible = asked_for.negligible, bounds = bounds_of(controls), most = o.most,
-      tolerance = o.tolerance, save = function(state) o.memory:save(words, u, state) end,
+      tolerance = o.tolerance, own = o.cost ~= nil, save = function(state) o.memory:save(words, u, state) end,
       note = function(iteration, now, missing, values)
         note(iteration, now, missing)
-        o.keep(with_values(controls, values))
+        o.keep(with_values(controls, values), now, missing)
       end } }
-  for _, key in ipairs { "scene", "at", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
+  for _, key in ipairs { "scene", "at", "cost", "fps", "integrator", "dt", "tol", "trust", "without" } do case[key] = o[key] end
   local result = segments.minimise(case)
   why = result.contradiction and asked.contradiction(o, result.contradiction) or result.failed
   if not result.optimum then return nil, why end
@@ -158,7 +161,7 @@ local function transcribed(o, controls, u, note, negligible)
   if not optimum then return nil, why end
   local found = evaluate(o, controls, optimum.u, { gradient = false })
   if found.failed then return nil, found.failed end
-  optimum.misses, optimum.controls = found.misses, with_values(controls, optimum.u)
+  optimum.misses, optimum.controls, optimum.cost = found.misses, with_values(controls, optimum.u), found.cost or optimum.cost
   return optimum
 end
 
@@ -178,7 +181,7 @@ local function optimum_from(o, controls, u, note)
     tolerance = o.tolerance, negligible = negligible, goals = o.goals, bounds = weight:bounds(controls),
     note = function(iteration, now, missing, y)
       note(iteration, now, missing)
-      o.keep(with_values(controls, weight:values(y)))
+      o.keep(with_values(controls, weight:values(y)), now, missing)
     end }
   if contradiction then why = asked.contradiction(o, contradiction) end
   if not optimum then return nil, why end
@@ -267,6 +270,7 @@ end
 function search.optima(o)
   local optima, first, why = {}, nil, nil
   local bar = progress.new { what = "optimise", quiet = o.quiet }
+  o.bar = bar
   for k = 1, o.starts + 1 do
     local u = k == 1 and values_of(o.controls) or within_bounds(o.controls, starts.random(o.controls, k, size_of(first)))
     local optimum, reason = optimum_from(o, o.controls, u, narrator(o, k, bar))
@@ -277,6 +281,7 @@ function search.optima(o)
     elseif optimum then
       optimum.starts = 1
       optima[#optima + 1] = optimum
+      if optimum.ended == "converged" and not (o.best and o.best.cost <= optimum.cost) then o.best = optimum end
     end
   end
   table.sort(optima, function(a, b)

@@ -2,9 +2,12 @@
 -- first one, how that depends on the state and on the values at both knots, and goals with their derivatives; and the search for the
 -- least effort by transcription over these.
 local case_process = require("common.run.case_process")
+local curvature = require("common.optimise.curvature")
 local derivative = require("common.gradient.derivative")
+local frame_cost = require("common.optimise.frame_cost")
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
+local tangents = require("common.optimise.tangents")
 local transcription = require("common.optimise.transcription")
 
 local segments = {}
@@ -61,9 +64,19 @@ local function size_of(X, first, last)
   return most > 0 and most or 1
 end
 
+-- A goal's measure at X, put onto the constraints if there are any, and its slope by X; or nil and why.
+local function survey_at(record, goal, X, slopes)
+  if record:curves() then return record:survey(goal.name, goal.at, X, slopes) end
+  local there, D = record:place(X)
+  if not there then return nil, D end
+  local value, slope = record:survey(goal.name, goal.at, there, slopes)
+  if not (value and slopes) then return value, slope end
+  return value, tangents.back(D, slope)
+end
+
 -- The slope of a goal where every number of the state is beside X by its part of `by`.
 local function slope_beside(record, goal, X, by)
-  local value, slope = record:survey(goal.name, goal.at, quadratic.add(X, 1, by), true)
+  local value, slope = survey_at(record, goal, quadratic.add(X, 1, by), true)
   return value and slope, slope
 end
 
@@ -97,7 +110,7 @@ local function add_bend(record, goal, X, slope, price, bend)
 end
 
 -- The evaluation of common/optimise/transcription.lua, by a record whose controls are given other values.
-local function evaluation_of(case, record, parts, start)
+local function evaluation_of(case, record, parts, start, own)
   local none = {}
   for e = 1, #start do none[e] = false end
 
@@ -116,7 +129,7 @@ local function evaluation_of(case, record, parts, start)
     for g, goal in ipairs(case.goals) do
       local node = goal.knot
       local X = nodes and nodes[node] or found.ends[node - 1] or start
-      found.goals[g], found.slopes[g] = record:survey(goal.name, goal.at, X, weights ~= false)
+      found.goals[g], found.slopes[g] = survey_at(record, goal, X, weights ~= false)
       if not found.goals[g] then return nil, found.slopes[g] end
       if prices and prices[g] ~= 0 then
         local bend = found.bends[node] or {}
@@ -129,14 +142,33 @@ local function evaluation_of(case, record, parts, start)
     return found
   end
 
+  -- The scene's own cost, in the place of the controls' squares.
+  local function add_cost(found, u, from, curved, moved)
+    local why
+    if not found.J[1] then
+      found.cost, why = own:value(from, found.ends)
+      return found.cost and found, why
+    end
+    local sum
+    sum, why = own:derive(u, from, found.ends, found.J, curved and moved or nil)
+    if not sum then return nil, why end
+    found.cost, found.G = sum.value, sum.G
+    found.by_controls, found.by_states = own:by_knots(sum.slopes, #start)
+    for k, C in ipairs(sum.C) do found.H[k] = found.H[k] and quadratic.add(found.H[k], 1, C) or C end
+    return found
+  end
+
   return function(u, nodes, weights, prices)
     local fine, why = assign(u)
     if not fine then return nil, why end
+    local from_of, moved, curves = {}, {}, record:curves()
     local found = { start = start, ends = {}, J = {}, H = {}, goals = {}, slopes = {}, bends = {} }
     local slopes, moves = weights ~= false and nodes ~= nil, none
     for k, part in ipairs(parts) do
       local from = nodes and nodes[k] or found.ends[k - 1] or start
-      local behind, J, H = record:segment(part.first, part.last, from, slopes, weights and weights[k] or nil, moves)
+      from_of[k], moved[k] = from, moves
+      local behind, J, H = record:segment(part.first, part.last, from, slopes, curves and weights and weights[k] or nil,
+        moves)
       found.ends[k] = behind
       if not found.ends[k] then return nil, J end
       if slopes then
@@ -144,6 +176,24 @@ local function evaluation_of(case, record, parts, start)
         moves = moved_behind(J, moves, quadratic.add(found.ends[k], -1, nodes[k + 1]))
       end
     end
+    if nodes and not curves then
+      found.along = {}
+      for k = 2, #nodes do
+        fine, found.along[k] = record:place(nodes[k])
+        if not fine then return nil, found.along[k] end
+      end
+      weights = weights and tangents.multipliers(found.along, weights)
+    end
+    if weights and not curves then
+      found.H, why = curvature.of { record = record, parts = parts, from = from_of, weights = weights, moves = moved, u = u,
+        controls = #case.parameters, assign = assign }
+      if not found.H then return nil, why end
+    end
+    if own then
+      fine, why = add_cost(found, u, from_of, weights and curves, moved)
+      if not fine then return nil, why end
+    end
+    for k, J in ipairs(found.along and found.J or {}) do found.J[k] = tangents.columns(found.along[k + 1], J, #start) end
     return survey(found, nodes, weights, prices)
   end
 end
@@ -158,7 +208,12 @@ local function execute(case, tell)
   parts, why = cut(case, times)
   if not parts then return { failed = why } end
   local options = setmetatable({}, { __index = case.options })
-  options.evaluate = evaluation_of(case, record, parts, start)
+  why = case.cost and record:refusal(case.cost)
+  if why then return { failed = ("the measure '%s': %s"):format(case.cost, why) } end
+  options.evaluate = evaluation_of(case, record, parts, start, case.cost and frame_cost.of(case, record, times, parts))
+  if not record:curves() then
+    function options.place(X) return (record:place(X)) end
+  end
   function options.note(...) tell { note = { ... } } end
   function options.save(state)
     state.dt = dt
@@ -169,7 +224,8 @@ local function execute(case, tell)
   return result
 end
 
--- case: as of common/optimise/evaluation.lua; goals with `knot`, at which they are; options: those of transcription.minimise without
+-- case: as of common/optimise/evaluation.lua (cost: in the place of the controls' squares);
+-- goals with `knot`, at which they are; options: those of transcription.minimise without
 -- evaluate. Returns { optimum, failed, contradiction, dt }.
 function segments.minimise(case)
   case.execute, case.factor = execute, 1

@@ -7,6 +7,7 @@ local horizon = require("horizon")
 local linear = require("common.fit.linear")
 local quadratic = require("common.optimise.quadratic")
 local ranges = require("common.optimise.ranges")
+local tangents = require("common.optimise.tangents")
 
 local transcription = {}
 
@@ -32,7 +33,15 @@ local function effort_slope(state, u)
   return list
 end
 
-local function effort_of(state, u) return linear.dot(u, effort_slope(state, u)) end
+-- What is to be least: at an evaluation, the scene's own cost.
+local function cost_at(state, u, there) return state.own and there.cost or linear.dot(u, effort_slope(state, u)) end
+
+-- Its slope by the controls; that of the scene's own cost by the states is there.by_states.
+local function cost_slope(state)
+  if state.own then return state.there.by_controls end
+  local slope = effort_slope(state, state.u)
+  return quadratic.add(slope, 1, slope)
+end
 
 -- ---- one iteration ----
 
@@ -124,7 +133,7 @@ local function factor(state, A)
     if state.horizon:factor(weight) then return true end
     weight = 30 * weight
   end
-  for k = 1, state.knots - 1 do state.horizon:segment(k, state.there.J[k], nil) end
+  for k = 1, state.knots - 1 do state.horizon:segment(k, state.there.J[k], state.own and state.there.G[k] or nil) end
   for k = 1, state.knots do state.horizon:bend(k, nil) end
   return state.horizon:factor(0)
 end
@@ -164,14 +173,15 @@ local function direction(state)
   state.A = nil
   if not factor(state, A) then return nil end
   state.A = A
-  local slope = effort_slope(state, state.u)
-  slope = quadratic.add(slope, 1, slope)
-  local u, y = state.horizon:least(slope, nil, state.defect, mixed(state, state.missing))
+  local slope = cost_slope(state)
+  local u, y = state.horizon:least(slope, nil, state.defect, mixed(state, state.missing), state.there.by_states)
   local step = program(state, slope, y, u)
   if not step then return nil end
   local prices
   slope, prices = split(state, step.slope)
-  step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, mixed(state, state.missing))
+  step.p, step.y, step.x, step.equations = state.horizon:least(slope, prices, state.defect, mixed(state, state.missing),
+    state.there.by_states)
+  if state.there.along then step.equations = tangents.multipliers(state.there.along, step.equations) end
   return step
 end
 
@@ -181,7 +191,7 @@ local function gaps(state, nodes, there)
   for k = 1, state.knots - 1 do
     local gap, behind, node = {}, there.ends[k], nodes[k + 1]
     for i = 1, state.d do gap[i] = behind[i] - node[i] end
-    defect[k] = gap
+    defect[k] = there.along and tangents.along(there.along[k + 1], gap) or gap
   end
   for i, goal in ipairs(state.goals) do missing[i] = ranges.missed(goal, there.goals[i]) end
   return defect, missing
@@ -212,9 +222,18 @@ local function weigh(state, step, list)
   end
 end
 
+-- Behind a step states lie off the constraints that hold them, by its square: they are put back (tangents.lua).
+local function changed(state, nodes, part, x)
+  local list = { nodes[1] }
+  for k = 2, state.knots do
+    local node = quadratic.add(nodes[k], part, x[k])
+    list[k] = state.place and state.place(node) or node
+  end
+  return list
+end
+
 local function moved(state, step, part)
-  local nodes = { state.nodes[1] }
-  for k = 2, state.knots do nodes[k] = quadratic.add(state.nodes[k], part, step.x[k]) end
+  local nodes = changed(state, state.nodes, part, step.x)
   return nodes, quadratic.add(state.u, part, step.p)
 end
 
@@ -234,16 +253,15 @@ local function corrected(state, step, nodes, u, defect, missing)
   for i, part in ipairs(weight) do row = quadratic.add(row, part, step.set.rows[i]) end
   local slope, prices = split(state, row)
   local back, _, change = state.horizon:least(slope, prices, defect, off_squares)
-  local list = { nodes[1] }
-  for k = 2, state.knots do list[k] = quadratic.add(nodes[k], 1, change[k]) end
-  return list, within(state, quadratic.add(u, 1, back))
+  return changed(state, nodes, 1, change), within(state, quadratic.add(u, 1, back))
 end
 
 -- Goes along the step as far as the merit falls; false: nowhere.
 local function search(state, step, evaluate)
   local now = sum_of(state, state.defect, state.missing)
-  local slope = 2 * linear.dot(effort_slope(state, state.u), step.p) - step.asked * now
-  local merit, part = effort_of(state, state.u) + now, 1
+  local slope = linear.dot(cost_slope(state), step.p) - step.asked * now
+  for k, by in ipairs(state.there.by_states or {}) do slope = slope + linear.dot(by, step.x[k]) end
+  local merit, part = cost_at(state, state.u, state.there) + now, 1
   for _ = 1, most_halvings do
     local nodes, u = moved(state, step, part)
     local last = math.huge
@@ -253,8 +271,9 @@ local function search(state, step, evaluate)
         defect, missing = gaps(state, nodes, there)
         sum = sum_of(state, defect, missing)
       end
-      if there and effort_of(state, u) + sum <= merit + 1e-4 * part * slope + 1e-13 * math.abs(merit) then
-        state.nodes, state.u = nodes, u
+      local cost = there and cost_at(state, u, there)
+      if there and cost + sum <= merit + 1e-4 * part * slope + 1e-13 * math.abs(merit) then
+        state.nodes, state.u, state.cost = nodes, u, cost
         return part
       end
       if sum >= last or sum == math.huge then break end
@@ -285,9 +304,10 @@ end
 
 local function new_state(options, u, nodes)
   local d = #nodes[1]
-  return { u = u, n = #u, interval = options.interval, controls = options.controls, knots = options.knots, goals = options.goals,
-    limits = ranges.of(options.goals), negligible = options.negligible, bounds = options.bounds, d = d, nodes = nodes,
-    horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.interval) }
+  return { u = u, n = #u, own = options.own, place = options.place, interval = options.interval, controls = options.controls,
+    knots = options.knots, goals = options.goals, limits = ranges.of(options.goals), negligible = options.negligible,
+    bounds = options.bounds,
+    d = d, nodes = nodes, horizon = horizon.new(options.knots, d, options.controls, #options.goals, options.own and 0 or options.interval) }
 end
 
 -- At the states that are given, those of a scene that stands still, or the run's; or as a search that was interrupted left it.
@@ -323,17 +343,20 @@ end
 
 local function result(state, iterations, ended)
   if state.contradiction then return nil, nil, state.contradiction end
-  return { u = state.u, nodes = state.nodes, cost = effort_of(state, state.u), iterations = iterations, ended = ended,
+  return { u = state.u, nodes = state.nodes, cost = state.cost, iterations = iterations, ended = ended,
     reach = reach_of(state) }
 end
 
 -- options: start (u), interval (s, between knots), knots, controls (how many), goals { { value, or min and max, knot } }, those with
--- a value first, evaluate(u, nodes, weights, multipliers) -> { start, ends, J, H, goals, slopes, bends } (weights nil: without H;
--- false: without J, H and slopes; nodes nil: those of the run; bends, of knots: the goals' second derivatives times their multipliers, of
--- those that are 0 nil), negligible, bounds, most, tolerance, nodes (a guess of the states), guess (where there is none;
--- "still": all as the first one; "run": those of the run), note(iteration, cost, missing, u), save(state) before each iteration, with
--- all that the rest of the search depends on beside these options (iteration, u, nodes, weights, multipliers, penalty, price), and
--- saved, such a state, from which it goes on. Returns what common/optimise/sqp.lua returns, with u and nodes.
+-- a value first, own (whether evaluate gives the cost, in the place of the controls' squares), evaluate(u, nodes, weights, multipliers) ->
+-- { start, ends, J, H, goals, slopes, bends } (weights nil: without H; false: without J, H and slopes; nodes nil: those of the run;
+-- bends, of knots: the goals' second derivatives times their multipliers, of those that are 0 nil; own: also cost and, with J, its slopes
+-- by_controls and by_states and G, its second derivatives without those of steps, which are in H; along, with constraints: what projects
+-- along them at every knot, tangents.lua), place(X) -> X on the constraints (nil: there are none), negligible, bounds, most, tolerance,
+-- nodes (a guess of the states), guess (where there is none; "still": all as the first one; "run": those of the run),
+-- note(iteration, cost, missing, u), save(state) before each iteration, with all that the rest of the search depends on beside these
+-- options (iteration, u, nodes, weights, multipliers, penalty, price), and saved, such a state, from which it goes on. Returns what
+-- common/optimise/sqp.lua returns, with u and nodes.
 function transcription.minimise(options)
   local state, why = begin(options)
   if not state then return nil, why end
@@ -348,7 +371,9 @@ function transcription.minimise(options)
     if not fine then return nil, why end
     local step = direction(state)
     if not step and not state.A then
-      return nil, "the quadratic program has no least value, whatever is added to it: begin with other controls, or --starts"
+      return nil, state.own and ("the cost has no least value near these controls, along some control it bends down or not at all: add "
+        .. "a part that grows with each, such as its square, or take --way shooting") or "the quadratic program has no least value, "
+        .. "whatever is added to it: begin with other controls, or --starts"
     end
     if not step then
       local c = table.move(state.missing, 1, state.limits.equal, 1, {})
@@ -356,10 +381,11 @@ function transcription.minimise(options)
     end
     weigh(state, step, step.equations)
     local missing = sum_of(state, state.defect, state.missing)
-    local cost = effort_of(state, state.u)
+    local cost = cost_at(state, state.u, state.there)
+    state.cost = cost
     if options.note then options.note(iteration, cost, missing, state.u) end
     local small = size_of(step.p) <= options.tolerance * math.max(size_of(state.u), 1e-300)
-    if small and missing <= options.tolerance * math.max(cost, 1e-300) and iteration > 1 then
+    if small and missing <= options.tolerance * math.max(math.abs(cost), 1e-300) and iteration > 1 then
       search(state, step, options.evaluate) -- what is left, too
       return result(state, iteration - 1, "converged")
     end

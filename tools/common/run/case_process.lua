@@ -245,14 +245,32 @@ local function finish(job)
   return result
 end
 
+-- ---- an interruption ----
+
+case_process.interrupted = setmetatable({}, { __tostring = function() return "interrupted" end })
+local stopping -- a descriptor that can be read once the user wants the end; nil: signals end this process as they do
+
+-- From now on `each` and `run` end with the error case_process.interrupted, their processes ended, once fd can be read.
+function case_process.stop_at(fd) stopping = fd end
+
+local function stop(jobs)
+  for _, job in pairs(jobs) do
+    process.kill(job.pid)
+    process.close(job.fd)
+    process.wait(job.pid)
+  end
+  error(case_process.interrupted, 0)
+end
+
 -- Short allowances are looked at more often.
 local function watch(jobs)
-  local fds, ended, interval = {}, {}, 0.1
+  local fds, ended, interval = { stopping }, {}, 0.1
   for fd, job in pairs(jobs) do
     fds[#fds + 1] = fd
     interval = math.max(0.01, math.min(interval, (job.case.allowance or math.huge) / 8))
   end
   local ready = process.ready(fds, interval)
+  if stopping and ready[stopping] then stop(jobs) end
   for fd, job in pairs(jobs) do
     local text = ready[fd] and process.read(fd)
     if text and text ~= "" then

@@ -39,6 +39,8 @@ hk_status hk_record_slope(record *, double t, const double *X, double *slope);
 /* sensitivity_segments.c: methods of records */
 int hk_record_times(lua_State *L);
 int hk_record_segment(lua_State *L);
+int hk_record_curves(lua_State *L);
+int hk_record_place(lua_State *L);
 int hk_record_assign(lua_State *L);
 int hk_record_survey(lua_State *L);
 

@@ -28,6 +28,26 @@ int hk_record_times(lua_State *L) {
   return 2;
 }
 
+/* record:curves() -> whether segments have second derivatives: not with constraints. */
+int hk_record_curves(lua_State *L) {
+  lua_pushboolean(L, !hk_record_at(L)->steps->projection);
+  return 1;
+}
+
+/* record:place(X) -> X on the constraints, and the derivatives of that by X (columns, one behind the other); or nil and
+ * a reason. */
+int hk_record_place(lua_State *L) {
+  record *r = hk_record_at(L);
+  size_t v = 6 * r->steps->n;
+  double *X = lua_newuserdatauv(L, (v + v * v + 1) * sizeof *X, 0), *D = X + v;
+  read_state(L, 2, X, v);
+  hk_error_clear(&r->error);
+  if (hk_sensitivity_segment(r->steps, 0, 0, X, NULL, 0, D, &r->error) != HK_OK) return hk_record_refuse(L, &r->error);
+  hk_record_push(L, X, v);
+  hk_record_push(L, D, v * v);
+  return 2;
+}
+
 /* What is asked of a segment beside its end. */
 typedef struct wanted {
   size_t columns;         /* of derivatives; 0: none */
