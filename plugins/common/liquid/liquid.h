@@ -21,6 +21,8 @@ typedef enum hk_liquid_transfer { HK_LIQUID_APIC, HK_LIQUID_FLIP, HK_LIQUID_PIC 
 
 #define HK_LIQUID_TRANSFERS "apic|flip|pic"
 
+enum { HK_LIQUID_ENOUGH = 64 }; /* cells within a liquid, above which its density is known */
+
 typedef struct hk_liquid_particles {
   size_t count;
   const uint32_t *index; /* count: particles of the scene */
@@ -75,6 +77,8 @@ void hk_liquid_scatter(hk_liquid *, const hk_liquid_particles *);
 /* Distances of cells to the free surface from their filled parts, and the numbers of those in the liquid: its surface
  * is where half of what a cell's kernel covers is filled. */
 void hk_liquid_find_surface(hk_liquid *);
+/* Whether there is liquid in the cell and beyond all of its faces that are open, so that its density is known. */
+bool hk_liquid_is_within(const hk_liquid *, size_t i);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);
