@@ -194,6 +194,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->flip = s->flip;
   m->tolerance = s->tolerance;
   m->viscous = s->viscosity > 0 || s->viscosity_of;
+  m->clings = s->tension > 0;
   m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && m->viscous;
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
@@ -253,7 +254,6 @@ static void note_drift(liquid *s) {
 
 static bool is_too_fast(const liquid *s, double courant) { return courant > beyond_foretold * s->courant; }
 
-/* Once a run. */
 static void say(liquid *s, const hk_view *view, double courant) {
   if (s->said) return;
   double off = density_off(s);

@@ -70,21 +70,21 @@ static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p) 
 double hk_liquid_off_at_start(const hk_liquid *l, const hk_liquid_particles *p) {
   if (l->inside <= HK_LIQUID_ENOUGH) return 0;
   double off = l->mean - 1, differs = differs_by_mass(l, p);
-  if (fabs(off) > most_off) {
-    l->host->warn(l->host,
-                  "the particles have %.4g kg/m^3 where they fill cells at the start, and `density` is %g: the liquid "
-                  "will %s by %.2g %%; give them masses density x volume",
-                  l->mean * l->density, l->density, off > 0 ? "swell" : "shrink", 100 * fabs(off));
-    return fabs(off);
+  if (differs > most_differs) {
+    l->host->warn(
+        l->host,
+        "the particles' masses are those of several densities, which differ by %.2g %% from their mean, and the "
+        "liquid has one of %g kg/m^3: heavy parts will swell to it, light ones shrink, and none rises or sinks; "
+        "give all of them masses density x volume",
+        100 * differs, l->density);
+    return differs;
   }
-  if (!(differs > most_differs)) return 0;
-  l->host->warn(
-      l->host,
-      "the particles' masses are those of several densities, which differ by %.2g %% from their mean, and the "
-      "liquid has one of %g kg/m^3: heavy parts will swell to it, light ones shrink, and none rises or sinks; "
-      "give all of them masses density x volume",
-      100 * differs, l->density);
-  return differs;
+  if (!(fabs(off) > most_off)) return 0;
+  l->host->warn(l->host,
+                "the particles have %.4g kg/m^3 where they fill cells at the start, and `density` is %g: the liquid "
+                "will %s by %.2g %%; give them masses density x volume",
+                l->mean * l->density, l->density, off > 0 ? "swell" : "shrink", 100 * fabs(off));
+  return fabs(off);
 }
 
 hk_status hk_liquid_check_alone(const hk_liquid *l, const bool *const *own, const hk_view *view, const double *x) {

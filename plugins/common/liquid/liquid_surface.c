@@ -72,7 +72,7 @@ static bool is_open(const hk_liquid_grid *g, size_t i) {
   return sum > 0;
 }
 
-static void number_cells(hk_liquid *l) {
+void hk_liquid_number_cells(hk_liquid *l) {
   hk_liquid_grid *g = &l->grid;
   size_t length = g->cells[hk_liquid_inner(g)], rows = hk_liquid_rows(g, 0);
   uint32_t count = 0;
@@ -115,7 +115,7 @@ static void measure_density(hk_liquid *l) {
 void hk_liquid_find_surface(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, distance_rows, l);
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, l);
-  number_cells(l);
+  hk_liquid_number_cells(l);
   measure_density(l);
 }
 
