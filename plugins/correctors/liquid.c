@@ -313,7 +313,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
-  if (status == HK_OK) status = hk_liquid_check_alone(m, (const bool *const *)&s->carried, view, c->x_before);
+  if (status == HK_OK) status = hk_liquid_check_isolated(m, (const bool *const *)&s->carried, view, c->x_before);
   bool first = isnan(s->drift) && s->left == 0;
   if (status == HK_OK) status = flow(s, view, c->h, &p, part);
   if (status != HK_OK) return status;

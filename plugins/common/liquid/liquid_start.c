@@ -87,7 +87,7 @@ double hk_liquid_off_at_start(const hk_liquid *l, const hk_liquid_particles *p) 
   return fabs(off);
 }
 
-hk_status hk_liquid_check_alone(const hk_liquid *l, const bool *const *own, const hk_view *view, const double *x) {
+hk_status hk_liquid_check_isolated(const hk_liquid *l, const bool *const *own, const hk_view *view, const double *x) {
   const hk_obstacle_set *set = l->obstacles;
   for (size_t k = 0; k < set->carriers; k++)
     for (size_t i = 0; set->carried[k] != own && i < view->n; i++)

@@ -15,7 +15,7 @@ hk_status hk_liquid_check_start(const hk_liquid *, const hk_view *, const uint32
 double hk_liquid_off_at_start(const hk_liquid *, const hk_liquid_particles *);
 /* x, n x 3. HK_BAD_PARAM, with a message: particles that another liquid keeps out of walls are in the box of this one,
  * whose own are at `own`. */
-hk_status hk_liquid_check_alone(const hk_liquid *, const bool *const *own, const hk_view *, const double *x);
+hk_status hk_liquid_check_isolated(const hk_liquid *, const bool *const *own, const hk_view *, const double *x);
 /* Of particles that are born outside of it. */
 void hk_liquid_warn_of_births(const hk_liquid *, const hk_view *, const uint32_t *index, size_t count);
 /* Of obstacles, and of gaps between them and to the sides of the box, that are thinner than two cells. */
