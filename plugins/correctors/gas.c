@@ -17,7 +17,8 @@
 
 enum { KEPT = HK_GAS_FIELDS + 3 + 1 /* arrays of the grid: the fields, the velocity before, pressure's impulse */ };
 
-static const double most_drift = 0.1; /* of heat, smoke or fuel, by carrying */
+static const double most_drift = 0.1;    /* of heat, smoke or fuel, by carrying */
+static const double most_swelled = 0.01; /* of a cell's volume, in all of a run that is ok */
 
 typedef struct gas {
   double low[3], high[3], cell, memory, courant, tolerance;
@@ -124,6 +125,7 @@ static const hk_field fields[] = {
     {"whole_heat", .number = HK_AT(gas, balance.whole[0])},
     {"whole_smoke", .number = HK_AT(gas, balance.whole[1])},
     {"whole_fuel", .number = HK_AT(gas, balance.whole[2])},
+    {"swelled", .number = HK_AT(gas, balance.swelled)},
     {"said", .integer = HK_AT(gas, said)},
     {0},
 };
@@ -302,6 +304,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   if (status != HK_OK) return status;
   for (size_t k = 0; k < s->count; k++) c->changed |= carry_tracer(s, c, s->index[k]);
   s->left = fmax(s->left, m->flow.left * c->h);
+  s->balance.swelled += m->flow.left * c->h;
   s->passed = fmax(s->passed, courant);
   show(s, view, c->x);
   say(s, view, courant);
@@ -322,7 +325,8 @@ static size_t figures(void *self, const hk_view *view, hk_own_figure *figure) {
   figure[0] = (hk_own_figure){"divergence_left", "of a cell", s->left, INFINITY};
   figure[1] = (hk_own_figure){"courant", "cells", s->passed, INFINITY};
   figure[2] = (hk_own_figure){"carried_drift", "", hk_gas_drift(&s->balance, &s->method), most_drift};
-  return 3;
+  figure[3] = (hk_own_figure){"swelled", "of a cell", s->balance.swelled, most_swelled};
+  return 4;
 }
 
 /* m: the tracer that is farthest in a wall. */

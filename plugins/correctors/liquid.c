@@ -57,7 +57,6 @@ static const double most_drift = 0.01;     /* of the volume, in a run that is ok
 static const double most_passed = 2.01;    /* cells, by particle or wave: a slosh in 32 cells is 6 % off then */
 static const double most_leaked = 0.01;    /* of all the mass that was the liquid */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
-static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
 
 static const hk_param params[] = {
     {"low", "m", "lower corner of the box that the liquid is in; its faces are walls", .vector = HK_AT(liquid, low),
@@ -195,6 +194,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->flip = s->flip;
   m->tolerance = s->tolerance;
   m->viscous = s->viscosity > 0 || s->viscosity_of;
+  m->clings = s->tension > 0;
   m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && m->viscous;
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
@@ -240,7 +240,7 @@ static void destroy(void *self, const hk_host *host) {
  * too few cells within to say. */
 static double density_off(const liquid *s) {
   double off = s->method.mean - 1;
-  return s->method.inside > enough_cells && fabs(off) > 0.05 ? off : 0;
+  return s->method.inside > (size_t)HK_LIQUID_ENOUGH && fabs(off) > 0.05 ? off : 0;
 }
 
 /* The mean of the last steps: the density of some hundred cells, whose particles are at random, trembles by a part of a
@@ -248,12 +248,12 @@ static double density_off(const liquid *s) {
 static void note_drift(liquid *s) {
   const double weight = 1.0 / 32;
   double now = 1 / s->method.mean - 1;
-  if (s->method.inside > enough_cells) s->drift = isnan(s->drift) ? now : s->drift + weight * (now - s->drift);
+  if (s->method.inside > (size_t)HK_LIQUID_ENOUGH)
+    s->drift = isnan(s->drift) ? now : s->drift + weight * (now - s->drift);
 }
 
 static bool is_too_fast(const liquid *s, double courant) { return courant > beyond_foretold * s->courant; }
 
-/* Once a run. */
 static void say(liquid *s, const hk_view *view, double courant) {
   if (s->said) return;
   double off = density_off(s);
@@ -269,10 +269,7 @@ static void say(liquid *s, const hk_view *view, double courant) {
                   100 * off, view->t);
 }
 
-static hk_status reject(hk_correction *c) {
-  c->reject = true;
-  return HK_OK;
-}
+static hk_status reject(hk_correction *c) { return c->reject = true, HK_OK; }
 
 /* Velocities of the particles go to the grid, where viscosity and pressure act. part: of the density that is evened. */
 static hk_status flow(liquid *s, const hk_view *view, double h, const hk_liquid_particles *p, double part) {
@@ -315,8 +312,11 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   double part = hk_liquid_part_to_even(m, &s->pace, &p, c->h, s->drift / most_drift);
   hk_status status = hk_liquid_bodies_begin(&m->bodies, view, c);
   if (status == HK_OK) status = hk_thin_walls_begin(&m->thin, &m->grid, view->model, c);
+  if (status == HK_OK) status = hk_liquid_check_isolated(m, (const bool *const *)&s->carried, view, c->x_before);
+  bool first = isnan(s->drift) && s->left == 0;
   if (status == HK_OK) status = flow(s, view, c->h, &p, part);
   if (status != HK_OK) return status;
+  if (first) s->off = hk_liquid_off_at_start(m, &p);
   hk_liquid_gather(m, &p, after, s->full);
   if (is_viscous(s)) { /* what forces alone would have made of it says nothing */
     courant = hk_liquid_courant(m, &p, c->h);

@@ -11,6 +11,7 @@ enum { HK_GAS_SUMS = HK_GAS_FIELDS - HK_GAS_HEAT };
 typedef struct hk_gas_balance {
   double moved[HK_GAS_SUMS]; /* by which carrying has changed the sums of heat, K m^3, smoke, kg, and fuel, m^3 */
   double whole[HK_GAS_SUMS]; /* the largest that there were */
+  double swelled;            /* parts of its volume that a cell gained or lost in all steps, the most of each */
 } hk_gas_balance;
 
 /* Before and after hk_gas_carry. */

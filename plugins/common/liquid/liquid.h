@@ -21,6 +21,8 @@ typedef enum hk_liquid_transfer { HK_LIQUID_APIC, HK_LIQUID_FLIP, HK_LIQUID_PIC 
 
 #define HK_LIQUID_TRANSFERS "apic|flip|pic"
 
+enum { HK_LIQUID_ENOUGH = 64 }; /* cells within a liquid, above which its density is known */
+
 typedef struct hk_liquid_particles {
   size_t count;
   const uint32_t *index; /* count: particles of the scene */
@@ -41,16 +43,17 @@ typedef struct hk_liquid {
   hk_liquid_bodies bodies;
   hk_thin_walls thin; /* cloth */
   hk_liquid_transfer transfer;
-  double density;     /* kg/m^3 */
-  double flip;        /* of FLIP: the part of the particle's own velocity that is kept */
-  double tolerance;   /* of the pressure */
-  uint32_t *start;    /* size + 1: places in `sorted` of the particles of a cell */
-  uint32_t *sorted;   /* most: places in the list of particles, by cells */
-  uint32_t *cell;     /* most: of each place in the list */
-  bool *through;      /* most: of each place in the list: it passed an obstacle in the last step */
-  size_t most;        /* particles that there is memory for */
-  bool viscous;       /* it has a viscosity, and drops hang together with it */
-  bool sticks;        /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
+  double density;   /* kg/m^3 */
+  double flip;      /* of FLIP: the part of the particle's own velocity that is kept */
+  double tolerance; /* of the pressure */
+  uint32_t *start;  /* size + 1: places in `sorted` of the particles of a cell */
+  uint32_t *sorted; /* most: places in the list of particles, by cells */
+  uint32_t *cell;   /* most: of each place in the list */
+  bool *through;    /* most: of each place in the list: it passed an obstacle in the last step */
+  size_t most;      /* particles that there is memory for */
+  bool viscous;     /* it has a viscosity, and drops hang together with it */
+  bool sticks;      /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
+  bool clings;      /* it has a surface tension, by which walls hold it also with less pressure than that of the air */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
   size_t inside; /* cells that are full: liquid on all sides */
@@ -75,6 +78,10 @@ void hk_liquid_scatter(hk_liquid *, const hk_liquid_particles *);
 /* Distances of cells to the free surface from their filled parts, and the numbers of those in the liquid: its surface
  * is where half of what a cell's kernel covers is filled. */
 void hk_liquid_find_surface(hk_liquid *);
+/* Numbers of the pressures from the distances. */
+void hk_liquid_number_cells(hk_liquid *);
+/* Whether there is liquid in the cell and beyond all of its faces that are open, so that its density is known. */
+bool hk_liquid_is_within(const hk_liquid *, size_t i);
 /* Open parts and velocities of faces from the box and the obstacles where they are at the end of the step; what
  * does not move is computed once. The parts are exact where a face is cut by a plane. Batty, Bertails, Bridson 2007. */
 void hk_liquid_walls(hk_liquid *);

@@ -4,6 +4,12 @@
 #include "plugins/common/mac_grid/thin_solids.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
+static const double most_off = 0.01;      /* of the density, of all the liquid together */
+static const double most_differs = 0.005; /* of it, from place to place: parts of which one has 1 % more */
+static const double least_slope = 0.3;    /* of density by mass: 1 where equal particles fill equal volumes */
+
+enum { APART = 3 /* cells, that no particle's kernel shares */, PAIRS = 16 };
+
 double hk_liquid_default_cell(const hk_view *view, const uint32_t *index, size_t count, double density,
                               const double low[3], const double high[3]) {
   double mass = 0;
@@ -26,6 +32,71 @@ hk_status hk_liquid_check_start(const hk_liquid *l, const hk_view *view, const u
             "larger box, or name those that are the liquid by `particles`",
             view->model->id[index[k]], "xyz"[c], x[c], g -> low[c], g -> high[c]);
   }
+  return HK_OK;
+}
+
+/* kg, the mean of the particles that are in the cell; 0: there are none. */
+static double mean_mass(const hk_liquid *l, const hk_liquid_particles *p, size_t i) {
+  double sum = 0;
+  for (size_t k = l->start[i]; k < l->start[i + 1]; k++) sum += p->mass[p->index[l->sorted[k]]];
+  return sum > 0 ? sum / (double)(l->start[i + 1] - l->start[i]) : 0;
+}
+
+/* By how much the density differs with the mass of the particles: the deviation of what heavier ones make it, over
+ * cells apart, where places at random, and columns whose masses make up for their distances, cancel out. */
+static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p) {
+  const hk_liquid_grid *g = &l->grid;
+  double count = 0, m = 0, d = 0, mm = 0, md = 0;
+  for (size_t k = 0; k < l->pressure.rows; k++)
+    for (int c = 0; c < 3; c++) {
+      size_t i = l->pressure.cell[k], j = i + APART * g->stride[c];
+      if (i / g->stride[c] % (g->cells[c] + 2) + APART > g->cells[c]) continue;
+      if (!hk_liquid_is_within(l, i) || !hk_liquid_is_within(l, j)) continue;
+      double a = mean_mass(l, p, i), b = mean_mass(l, p, j);
+      if (!(a > 0) || !(b > 0)) continue;
+      count += 2;
+      m += a + b;
+      d += g->filled[i] + g->filled[j];
+      mm += a * a + b * b;
+      md += a * g->filled[j] + b * g->filled[i];
+    }
+  if (count < PAIRS) return 0;
+  double deviation = sqrt(fmax(0, mm / count - m / count * (m / count)));
+  if (!(deviation > 1e-6 * m / count)) return 0;
+  double differs = (md / count - m / count * (d / count)) / deviation;
+  return differs * m / count > least_slope * deviation ? differs : 0;
+}
+
+double hk_liquid_off_at_start(const hk_liquid *l, const hk_liquid_particles *p) {
+  if (l->inside <= HK_LIQUID_ENOUGH) return 0;
+  double off = l->mean - 1, differs = differs_by_mass(l, p);
+  if (differs > most_differs) {
+    l->host->warn(
+        l->host,
+        "the particles' masses are those of several densities, which differ by %.2g %% from their mean, and the "
+        "liquid has one of %g kg/m^3: heavy parts will swell to it, light ones shrink, and none rises or sinks; "
+        "give all of them masses density x volume",
+        100 * differs, l->density);
+    return differs;
+  }
+  if (!(fabs(off) > most_off)) return 0;
+  l->host->warn(l->host,
+                "the particles have %.4g kg/m^3 where they fill cells at the start, and `density` is %g: the liquid "
+                "will %s by %.2g %%; give them masses density x volume",
+                l->mean * l->density, l->density, off > 0 ? "swell" : "shrink", 100 * fabs(off));
+  return fabs(off);
+}
+
+hk_status hk_liquid_check_isolated(const hk_liquid *l, const bool *const *own, const hk_view *view, const double *x) {
+  const hk_obstacle_set *set = l->obstacles;
+  for (size_t k = 0; k < set->carriers; k++)
+    for (size_t i = 0; set->carried[k] != own && i < view->n; i++)
+      if ((*set->carried[k])[i] && hk_liquid_in_box(&l->grid, x + 3 * i))
+        return l->host->fail(l->host, HK_BAD_PARAM,
+                             "particle %u is of another liquid and in the box of this one at t = %g s: liquids do not "
+                             "meet, and would flow through each other; make them one, which has one density, or give "
+                             "them boxes apart",
+                             view->model->id[i], view->t);
   return HK_OK;
 }
 

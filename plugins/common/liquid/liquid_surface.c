@@ -72,7 +72,7 @@ static bool is_open(const hk_liquid_grid *g, size_t i) {
   return sum > 0;
 }
 
-static void number_cells(hk_liquid *l) {
+void hk_liquid_number_cells(hk_liquid *l) {
   hk_liquid_grid *g = &l->grid;
   size_t length = g->cells[hk_liquid_inner(g)], rows = hk_liquid_rows(g, 0);
   uint32_t count = 0;
@@ -88,8 +88,9 @@ static void number_cells(hk_liquid *l) {
   l->pressure.rows = count;
 }
 
-/* Whether there is liquid beyond all faces of the cell that are open. */
-static bool is_full(const hk_liquid_grid *g, size_t i) {
+bool hk_liquid_is_within(const hk_liquid *l, size_t i) {
+  const hk_liquid_grid *g = &l->grid;
+  if (g->unknown[i] == HK_LIQUID_NONE || !(g->room[i] > 0) || hk_thin_walls_beside(&l->thin, g, i, 1)) return false;
   for (int c = 0; c < 3; c++) {
     size_t s = g->stride[c];
     if (g->open[c][i] > 0 && g->unknown[i - s] == HK_LIQUID_NONE) return false;
@@ -104,7 +105,7 @@ static void measure_density(hk_liquid *l) {
   l->inside = 0;
   for (size_t k = 0; k < l->pressure.rows; k++) {
     size_t i = l->pressure.cell[k];
-    if (!(g->room[i] > 0) || !is_full(g, i) || hk_thin_walls_beside(&l->thin, g, i, 1)) continue;
+    if (!hk_liquid_is_within(l, i)) continue;
     l->inside++;
     sum += g->filled[i];
   }
@@ -114,7 +115,7 @@ static void measure_density(hk_liquid *l) {
 void hk_liquid_find_surface(hk_liquid *l) {
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, distance_rows, l);
   l->host->parallel_for(l->host, hk_liquid_rows(&l->grid, 0), 16, extend_rows, l);
-  number_cells(l);
+  hk_liquid_number_cells(l);
   measure_density(l);
 }
 

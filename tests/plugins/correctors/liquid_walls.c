@@ -197,6 +197,68 @@ static void a_lid_on_the_grid_lets_nothing_in(void **state) {
   if (!(fabs(core - 1) < 0.05 && fabs(drift) < 1e-3)) fail_msg("%.3f of the density, volume_drift %.5f", core, drift);
 }
 
+/* A jet of water, 0.1 m wide and of 3 m/s, without gravity, meets a plate of 0.7 m: `top` m above the middle the plate
+ * ends, and its face is at `front`. Drains beyond take the water. */
+static const char jet[] =
+    "local c, front, top = 0.02, param('front', 0.75, 'm'), param('top', 0.36, 'm')\n"
+    "local mass = 1000 * c^3 / 4\n"
+    "local scene = hooke.scene { duration = 0.8, fps = 20, dt = 0.005, integrator = 'symplectic_euler' }\n"
+    "scene:source('emitter', { rate = 1000 * 3 * 0.1 * c / mass, mass = mass, shape = 'line', speed = 3,\n"
+    "  places = 'even', position = { 0.1, 0, 0.45 }, ['end'] = { 0.1, 0, 0.55 }, direction = { 1, 0, 0 } })\n"
+    "scene:source('drain', { low = { 0, -1, 0 }, high = { 2, 1, 0.06 } })\n"
+    "scene:source('drain', { low = { 0, -1, 0.94 }, high = { 2, 1, 1 } })\n"
+    "local body\n"
+    "if param('free', 0, '') == 1 then\n"
+    "  body = scene:rigid { shape = 'box', size = { 0.1, c, 2 * top }, density = 2e6, position = { front + 0.05, 0, "
+    "0.5 } }\n"
+    "else\n"
+    "  scene:corrector('obstacle', { shape = 'box', size = { 0.1, 4, 2 * top }, position = { front + 0.05, 0, 0.5 } "
+    "})\n"
+    "end\n"
+    "scene:corrector('liquid', { low = { 0, 0, 0 }, high = { 1.2, 0, 1 }, cell = c })\n"
+    "scene:measure('aside', function(s)\n"
+    "  local sum, all = 0, 0\n"
+    "  for _, id in ipairs(s:ids()) do\n"
+    "    if s:mass(id) < 1 and math.abs(s:position(id)[3] - 0.5) > 0.38 then\n"
+    "      sum, all = sum + s:velocity(id)[1], all + math.abs(s:velocity(id)[3])\n"
+    "    end\n"
+    "  end\n"
+    "  return all > 0 and sum / all or 0\n"
+    "end)\n"
+    "scene:measure('push', function(s) return body and body.mass * body:velocity(s)[1] or 0 end)\n"
+    "return scene\n";
+
+static void run_jet(const char *words) {
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s --json --no-output --no-check %s", test_write("jet.lua", jet), words);
+  test_hooke(&r, NULL, arguments);
+  assert_int_equal(r.code, 0);
+}
+
+/* By free streamlines it turns by a right angle, but for exp(-pi 0.3/0.05). Where the plate's end cuts the grid does
+ * not matter; where its face cut cells and its end was on faces the jet was drawn round it by 0.27. */
+static void a_jet_leaves_a_plate_along_it(void **state) {
+  (void)state;
+  static const char *const plates[] = {"top=0.36", "top=0.35", "front=0.76 top=0.36", "front=0.757 top=0.355"};
+  for (size_t k = 0; k < sizeof plates / sizeof *plates; k++) {
+    run_jet(plates[k]);
+    double aside = test_json(r.out, "aside");
+    if (!(fabs(aside) < 0.02)) fail_msg("%s: %.4f", plates[k], aside);
+  }
+}
+
+/* A plate that is heavy and free takes the momentum of the jet, rho A v^2 = 18 N, between 0.5 and 0.8 s, with five
+ * cells in the jet: 4.5 % too little, by the 0.05 of the speed that films still have at its end. It was 28 % too
+ * little. */
+static void a_jet_pushes_a_plate_with_its_momentum(void **state) {
+  (void)state;
+  run_jet("free=1 --until 0.5");
+  double before = test_json(r.out, "push");
+  run_jet("free=1 --until 0.8");
+  double force = (test_json(r.out, "push") - before) / 0.3, wanted = 1000 * 0.1 * 0.02 * 3 * 3;
+  if (!(fabs(force / wanted - 1) < 0.1)) fail_msg("%.3f N instead of %.3f N", force, wanted);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_drum_turns_its_liquid_as_fast_as_itself),
@@ -206,6 +268,8 @@ int main(void) {
       cmocka_unit_test(a_half_full_round_vessel_keeps_its_volume),
       cmocka_unit_test(a_lid_on_the_grid_lets_nothing_in),
       cmocka_unit_test(a_drop_on_a_wall_does_not_move_into_it),
+      cmocka_unit_test(a_jet_leaves_a_plate_along_it),
+      cmocka_unit_test(a_jet_pushes_a_plate_with_its_momentum),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
