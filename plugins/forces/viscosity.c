@@ -63,7 +63,7 @@ typedef struct task {
   double (*block)[6];
 } task;
 
-/* Sums of V (-W'/r) r^4, which M is the mean of. */
+/* Of sums of V (-W'/r) r^4, which M is the mean of. Behind a wall is at most the image of the liquid before it. */
 static double find_beside(const task *t, size_t i) {
   double liquid = 0, all = 0;
   hk_sph_near near;
@@ -75,7 +75,7 @@ static double find_beside(const task *t, size_t i) {
       liquid += t->self->common.role[near.other[k]] == HK_SPH_LIQUID ? part : 0;
     }
   }
-  return liquid > 0 ? all / liquid : 1;
+  return liquid > 0 ? fmin(2, all / liquid) : 1;
 }
 
 static void beside_chunk(void *context, size_t first, size_t end, size_t chunk) {

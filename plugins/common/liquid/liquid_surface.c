@@ -135,6 +135,8 @@ double hk_liquid_slope(const hk_liquid *l, int c, size_t i) {
 
 /* ---- what is thin ---- */
 
+static const double hardly_out = 0.25; /* cells: so far beyond the surface still counts */
+
 enum { THICK = 3, PAD = THICK - 1 }; /* cells */
 
 typedef struct blocks {
@@ -187,7 +189,7 @@ double hk_liquid_thin_part(const hk_liquid *l) {
   if (!b.mark) return NAN;
   for (size_t k = 0; k < b.size; k++) {
     size_t i = cell_of(g, &b, k);
-    b.mark[k] = i == SIZE_MAX || g->unknown[i] != HK_LIQUID_NONE || g->room[i] < 0;
+    b.mark[k] = i == SIZE_MAX || g->distance[i] < hardly_out || g->room[i] < 0;
   }
   sweep(&b, false);
   sweep(&b, true);
