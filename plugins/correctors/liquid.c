@@ -55,7 +55,7 @@ enum { NO_SLIP, FREE_SLIP };
 static const double most_drift = 0.01;  /* of the volume, in a run that is ok */
 static const double most_passed = 2.01; /* cells, by particle or wave: a slosh in 32 cells is 6 % off then */
 static const double most_leaked = 0.01; /* of all the mass that was the liquid */
-static const double most_thin = 0.5;    /* of the cells with liquid, on the mean of the run: scenes have up to 0.36 */
+static const double most_thin = 0.5;    /* of the cells with liquid, on the mean of the run: scenes have up to 0.13 */
 static const double beyond_foretold = 1.5; /* of the Courant number: such a step is taken back */
 static const size_t enough_cells = 64;     /* within the liquid, for its density to be known */
 
