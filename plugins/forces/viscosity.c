@@ -7,11 +7,15 @@
  * mu (laplacian v + 2 grad div v) (Espanol and Revenga 2003, Phys. Rev. E 67, 026705, equation 54), which is mu
  * laplacian v where the volume is kept. The error at a wavenumber k is of the order (k R)^2, and on a lattice a percent
  * more by its axes. Walls hold the liquid fast, with volumes of Akinci et al. 2012 (sph_particles.h).
+ * Where the liquid slips along them, they rub no one, and what they cover of a kernel is made up for by the rest of it:
+ * f of a pair is times the mean of both ends' sums of V (-W'/r) r^4 over all, by that over the liquid. Without it a
+ * vortex between walls died down too slowly, by 23 % with 16 particles on its side and 10 % with 32.
  *
  * What it takes from the motion is published as `dissipation`, each end of a pair having half of it, for the force
  * viscous_heating. With `viscosity_of` mu is that of the particles, by its harmonic mean.
  *
- * The blocks f d d^T are definite; that they change with the positions is left out where a method wants them symmetric.
+ * The blocks f d d^T are definite; that they change with the positions is left out where a method wants them symmetric,
+ * and that what walls cover does always.
  * Methods with an implicit part (imex) take the liquid's pressure explicitly and this implicitly. */
 #include "plugins/common/channels/find_published.h"
 #include "plugins/common/sph/sph_pairs.h"
@@ -26,6 +30,7 @@ typedef struct viscosity {
   const char *viscosity_of;
   const double *const *viscosities; /* n, Pa s, published by the plugin of that label; NULL: it is one number */
   double factor;                    /* 2 mu / M, N s/m / (m^2 m^6 1/m^5); with `viscosities` 2 / M */
+  double *beside;                   /* n, where it slips: what the kernel holds, by what of it is liquid */
   double *dissipation;              /* n, W/kg, of the last evaluation; NAN: there was none */
   bool evaluated;
   hk_sph_pairs pairs;
@@ -44,6 +49,7 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     HK_SPH_FIELDS(viscosity, common),
+    {"beside", .per_particle = HK_AT(viscosity, beside), .width = 1, .flags = HK_SCRATCH},
     {"dissipation", .per_particle = HK_AT(viscosity, dissipation), .width = 1, .flags = HK_PUBLISHED},
     {0},
 };
@@ -57,10 +63,36 @@ typedef struct task {
   double (*block)[6];
 } task;
 
+/* Of sums of V (-W'/r) r^4, which M is the mean of. Behind a wall is at most the image of the liquid before it. */
+static double find_beside(const task *t, size_t i) {
+  double liquid = 0, all = 0;
+  hk_sph_near near;
+  for (size_t at = t->rows.row_start[i], end = t->rows.row_start[i + 1]; at < end;) {
+    hk_sph_gather(&t->self->common, t->box, t->rows.other, end, i, &at, &near);
+    for (size_t k = 0; k < near.count; k++) {
+      double part = near.mass[k] * hk_sph_slope(&t->self->common.kernel, near.r2[k]) * near.r2[k] * near.r2[k];
+      all += part;
+      liquid += t->self->common.role[near.other[k]] == HK_SPH_LIQUID ? part : 0;
+    }
+  }
+  return liquid > 0 ? fmin(2, all / liquid) : 1;
+}
+
+static void beside_chunk(void *context, size_t first, size_t end, size_t chunk) {
+  const task *t = context;
+  (void)chunk;
+  for (size_t k = first; k < end; k++) {
+    size_t i = hk_sph_acting(t->view, k);
+    t->self->beside[i] = t->self->common.role[i] == HK_SPH_LIQUID ? find_beside(t, i) : 1;
+  }
+}
+
 static hk_status begin(task *t, viscosity *p, const hk_view *view) {
   *t = (task){.self = p, .view = view, .box = view->model->box};
   p->factor = 2 * (p->viscosities ? 1 : p->mu) / p->common.kernel.fourth;
-  return hk_sph_begin(&p->common, view, &t->rows);
+  hk_status status = hk_sph_begin(&p->common, view, &t->rows);
+  if (status == HK_OK && p->slip) view->host->parallel_for(view->host, view->acting, HK_SPH_GRAIN, beside_chunk, t);
+  return status;
 }
 
 /* Two walls do not, and none where the liquid slides along them. */
@@ -82,6 +114,7 @@ static double weight(const viscosity *p, size_t i, size_t j, double r2) {
   if (!rub(p, i, j)) return 0;
   double f =
       p->factor * hk_sph_volume(&p->common, i) * hk_sph_volume(&p->common, j) * hk_sph_slope(&p->common.kernel, r2);
+  if (p->slip) f *= (p->beside[i] + p->beside[j]) / 2;
   return p->viscosities ? viscosity_between(p, i, j) * f : f;
 }
 

@@ -52,7 +52,7 @@ else
   else
     scene:corrector("incompressible", with {})
   end
-  scene:force("viscosity", with { mu = 0.02 * density * c * dx, slip = true }) -- as Monaghan's alpha of 0.2
+  scene:force("viscosity", with { mu = 0.015 * density * c * dx, slip = true }) -- as Monaghan's alpha of 0.15
 end
 
 scene:measure("front", function(s) -- by the column's width, of the water on the floor

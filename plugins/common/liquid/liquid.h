@@ -119,9 +119,12 @@ void hk_liquid_gather(hk_liquid *, const hk_liquid_particles *, double *affine, 
 void hk_liquid_move(hk_liquid *, const hk_liquid_particles *, double h);
 /* m, how far the particles are beyond walls: the largest. */
 double hk_liquid_beyond(const hk_liquid *, const hk_liquid_particles *);
-/* Particles that are beyond walls by more than rounding. */
+/* Of the cells of the liquid the part that is in no block of three cells a side of liquid and wall: drops, sheets and
+ * jets that are less than three cells across, but not films on walls. NAN: no memory. */
+double hk_liquid_thin_part(const hk_liquid *);
 /* m: by how much the narrowest gap is narrower than a cell, if some of it is in there; 0: it is not. */
 double hk_liquid_squeezed(const hk_liquid *, const hk_liquid_particles *);
+/* Particles that are beyond walls by more than rounding. */
 size_t hk_liquid_count_beyond(const hk_liquid *, const hk_liquid_particles *);
 /* 1/s, the largest divergence of a cell of the liquid. */
 double hk_liquid_divergence(const hk_liquid *);

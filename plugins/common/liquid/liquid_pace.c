@@ -143,3 +143,11 @@ double hk_liquid_part_to_even(const hk_liquid *l, const hk_liquid_pace *pace, co
   double by_time = h / hk_liquid_longest_step(l, pace, p, evened_in, 0, wave, false);
   return fmin(1, isnan(off) ? by_time : fmax(by_time, fabs(off) / soon_off));
 }
+
+static const double seldom = 16; /* steps, from one look at what is thin to the next */
+
+void hk_liquid_note_thin(const hk_liquid *l, hk_liquid_pace *p) {
+  if (fmod(p->steps++, seldom) == 0) p->thin += hk_liquid_thin_part(l);
+}
+
+double hk_liquid_mean_thin(const hk_liquid_pace *p) { return p->steps > 0 ? p->thin / ceil(p->steps / seldom) : 0; }

@@ -5,13 +5,14 @@
 #include "plugins/common/liquid/liquid.h"
 
 typedef struct hk_liquid_pace {
-  double pull[3]; /* m/s^2, mean acceleration by forces, of the start: what obstacles give in a step would go to
-                     infinity with shorter ones */
-  double passed;  /* cells that a particle passed in a step, the most so far */
-  double gain;    /* m/s^2, by which a particle's velocity changed in the last step, at most; INFINITY: not known */
-  double wave;    /* m/s, hk_liquid_wave, of this step */
-  double waved;   /* cells that it passed in a step, the most so far */
-  double *column; /* 2 x hk_liquid_columns, for hk_liquid_wave */
+  double pull[3];     /* m/s^2, mean acceleration by forces, of the start: what obstacles give in a step would go to
+                         infinity with shorter ones */
+  double passed;      /* cells that a particle passed in a step, the most so far */
+  double gain;        /* m/s^2, by which a particle's velocity changed in the last step, at most; INFINITY: not known */
+  double wave;        /* m/s, hk_liquid_wave, of this step */
+  double waved;       /* cells that it passed in a step, the most so far */
+  double thin, steps; /* sum of hk_liquid_thin_part over the steps that it was looked at; steps so far */
+  double *column;     /* 2 x hk_liquid_columns, for hk_liquid_wave */
 } hk_liquid_pace;
 
 /* Pa s: of each particle, n, or with `each` NULL the same of all; 0: it has none. */
@@ -45,6 +46,9 @@ double hk_liquid_wave(const hk_liquid *, const hk_liquid_pace *, const hk_liquid
  * on a floor does not fall. INFINITY: it is at rest, and nothing pulls. */
 double hk_liquid_longest_step(const hk_liquid *, const hk_liquid_pace *, const hk_liquid_particles *, double courant,
                               double tension, double wave, bool viscous);
+/* Takes note of a step: which part of it is thin, in one of sixteen. */
+void hk_liquid_note_thin(const hk_liquid *, hk_liquid_pace *);
+double hk_liquid_mean_thin(const hk_liquid_pace *); /* of the run so far */
 /* Takes note of a step of h, s: cells that such a wave passed. */
 void hk_liquid_note_wave(const hk_liquid *, hk_liquid_pace *, double h);
 /* The part that hk_liquid_even gets for a step of h, s: 1 for what passes half a cell or more. By steps, not by time,

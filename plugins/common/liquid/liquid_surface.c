@@ -133,3 +133,74 @@ double hk_liquid_slope(const hk_liquid *l, int c, size_t i) {
   if (a != HK_LIQUID_NONE) return -l->pressure.x[a] / (hk_liquid_part_to_surface(g, c, i, below) * g->spacing[c]);
   return 0;
 }
+
+/* ---- what is thin ---- */
+
+static const double hardly_out = 0.25; /* cells: so far beyond the surface still counts */
+
+enum { THICK = 3, PAD = THICK - 1 }; /* cells */
+
+typedef struct blocks {
+  size_t cells[3], stride[3], size; /* with PAD cells of wall on either side of what has depth */
+  int pad[3];
+  uint8_t *mark;
+} blocks;
+
+static size_t lay_blocks(const hk_liquid_grid *g, blocks *b) {
+  b->size = 1;
+  for (int c = 0; c < 3; c++) {
+    b->pad[c] = g->flat[c] ? 0 : PAD;
+    b->cells[c] = g->cells[c] + 2 * (size_t)b->pad[c];
+    b->stride[c] = b->size;
+    b->size *= b->cells[c];
+  }
+  return b->size;
+}
+
+/* Cell k of the blocks as one of the grid; SIZE_MAX: it is outside the box. */
+static size_t cell_of(const hk_liquid_grid *g, const blocks *b, size_t k) {
+  size_t i = 0;
+  for (int c = 0; c < 3; c++) {
+    size_t at = k / b->stride[c] % b->cells[c], pad = (size_t)b->pad[c];
+    if (at < pad || at >= g->cells[c] + pad) return SIZE_MAX;
+    i += (at - pad + 1) * g->stride[c];
+  }
+  return i;
+}
+
+/* Along each axis: a cell is marked where it and the next THICK - 1 are, or, `back`, where it or one of those before it
+ * is. */
+static void sweep(const blocks *b, bool back) {
+  for (int c = 0; c < 3; c++) {
+    if (b->pad[c] == 0) continue;
+    for (size_t n = 0; n < b->size; n++) {
+      size_t k = back ? b->size - 1 - n : n, at = k / b->stride[c] % b->cells[c];
+      for (size_t e = 1; e < THICK; e++) {
+        if (back && at >= e) b->mark[k] |= b->mark[k - e * b->stride[c]];
+        if (!back) b->mark[k] &= at + e < b->cells[c] ? b->mark[k + e * b->stride[c]] : 0;
+      }
+    }
+  }
+}
+
+double hk_liquid_thin_part(const hk_liquid *l) {
+  const hk_liquid_grid *g = &l->grid;
+  blocks b;
+  b.mark = l->host->allocate(l->host, lay_blocks(g, &b));
+  if (!b.mark) return NAN;
+  for (size_t k = 0; k < b.size; k++) {
+    size_t i = cell_of(g, &b, k);
+    b.mark[k] = i == SIZE_MAX || g->distance[i] < hardly_out || g->room[i] < 0;
+  }
+  sweep(&b, false);
+  sweep(&b, true);
+  double thin = 0, all = 0;
+  for (size_t k = 0; k < b.size; k++) {
+    size_t i = cell_of(g, &b, k);
+    if (i == SIZE_MAX || g->unknown[i] == HK_LIQUID_NONE) continue;
+    all++;
+    thin += !b.mark[k];
+  }
+  l->host->release(l->host, b.mark);
+  return all > 0 ? thin / all : 0;
+}

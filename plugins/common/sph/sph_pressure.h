@@ -1,5 +1,5 @@
 /* Pressures that keep the density of a liquid by particles, by relaxed Jacobi iterations on its multipliers (Bender and
- * Koschier 2015, Divergence-free smoothed particle hydrodynamics, section 3): impulses
+ * Koschier 2015, Divergence-free smoothed particle hydrodynamics, section 3), or by conjugate gradients: impulses
  *     m_i dv_i = -(d rho/dx_i)^T a,   a >= 0,
  * with which the density does not rise above that at rest within a step, rho + h d rho/dt <= rho0, or does not rise at
  * all where it is reached, d rho/dt <= 0. Walls that move answer (sph_bodies.h). Momentum of liquid and walls together
@@ -23,9 +23,8 @@ typedef struct hk_sph_pressure {
   const double *before; /* n x 3, m/s, without the impulses */
   double (*v)[4];       /* n, m/s, with them, and 0 */
   double *a;      /* n, m^5/(kg s), multipliers by the mass that counts; kept from step to step as the first guess */
-  double *excess; /* n, kg/(m^3 s), room of `pulls` */
+  double *excess, *residual, *direction, *trial; /* n, room of `pulls` */
   bool pulls;     /* the liquid fills its room */
-  double mean;    /* kg/(m^3 s), of what is above in the last iteration, where it pulls */
   double h;       /* s: of the step for which densities are kept; 0: rates are */
   double longest; /* s: a density that is off is made good within this, also by a shorter step */
   size_t iterations;
@@ -36,6 +35,9 @@ typedef struct hk_sph_pressure {
 
 /* The list of the liquid, at the positions of the view, and what bodies answer, where the correction has them. */
 hk_status hk_sph_pressure_begin(hk_sph_pressure *, const hk_view *view, const hk_correction *);
+double hk_sph_pressure_mean(const hk_sph_pressure *); /* kg/m^3, of the liquid */
+/* After it: the liquid turned out to fill its room. */
+void hk_sph_pressure_pull(hk_sph_pressure *);
 /* Changes v (n x 3) of the liquid until what is left is below `tolerance`, by the density at rest, within the time
  * `scale`, s, or `most` iterations are done. */
 void hk_sph_pressure_solve(hk_sph_pressure *, double *v, double scale, double tolerance, size_t most);

@@ -24,7 +24,7 @@ function sph.fill(scene, dx, low, high, options)
   return ids
 end
 
--- The forces; options: c (m/s; left out: incompressible), mu (Pa s), reach, cavitates.
+-- The forces; options: c (m/s; left out: incompressible), mu (Pa s), slip, reach, cavitates.
 function sph.forces(scene, dx, options)
   local function common(t)
     t.spacing, t.dimensions, t.density = dx, 2, sph.density
@@ -36,7 +36,7 @@ function sph.forces(scene, dx, options)
   else
     scene:corrector("incompressible", common {})
   end
-  if options.mu then scene:force("viscosity", common { mu = options.mu }) end
+  if options.mu then scene:force("viscosity", common { mu = options.mu, slip = options.slip }) end
 end
 
 -- Taylor and Green's vortices of the amplitude U, m/s, in a periodic box of the side `length`, m, with n x n particles and the

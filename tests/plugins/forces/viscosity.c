@@ -114,6 +114,33 @@ static void blocks_power_and_momenta_belong_to_the_force(void **state) {
   test_engine_close(&e);
 }
 
+/* In a box whose walls slip the strain v_x = x, v_y = -y takes 4 mu from each cubic metre, also beside walls, where a
+ * part of the kernel is not liquid: without what stands for that part it is 12 % less in this box of 12 particles. On
+ * the lattice the kernel's mean of x^4 is not quite three times that of x^2 y^2, on which mu is calibrated: 4.7 % more. */
+static void walls_that_slip_do_not_thin_the_liquid(void **state) {
+  (void)state;
+  enum { LAYERS = 18, WALLS = 3 };
+  static double F[3 * LAYERS * LAYERS];
+  test_engine e;
+  const double none[3] = {0};
+  int inner = LAYERS - 2 * WALLS;
+  test_engine_open(&e);
+  for (int i = 0; i < LAYERS * LAYERS; i++) {
+    int a = i % LAYERS, b = i / LAYERS;
+    uint32_t id = test_particle(&e, dx * a, dx * b, 0, rho0 * dx * dx * dx);
+    if (a < WALLS || b < WALLS || a >= LAYERS - WALLS || b >= LAYERS - WALLS)
+      test_pin(&e, HK_PIN_FIXED, id, none);
+    else
+      velocity(&e, id - 1)[0] = dx * a, velocity(&e, id - 1)[1] = -dx * b;
+  }
+  hk_plugin_spec *spec = viscosity(&e, 2);
+  test_number(&e, spec, "wall_volume", dx * dx * dx);
+  test_boolean(&e, spec, "slip", true);
+  double part = -evaluate(&e, spec, F) / (4 * mu * inner * inner * dx * dx * dx);
+  if (!(fabs(part - 1) < 0.05)) fail_msg("%g of what it takes", part);
+  test_engine_close(&e);
+}
+
 /* Between walls, one at rest and one that goes with 1 m/s, the liquid comes to a straight profile (Couette). Walls are
  * three layers on the lattice, so the profile is exact but for rounding: forces between pairs of a lattice vanish for
  * every linear field. */
@@ -149,6 +176,7 @@ int main(void) {
       cmocka_unit_test(a_shear_wave_decays_by_mu),
       cmocka_unit_test(a_turning_body_is_not_held),
       cmocka_unit_test(blocks_power_and_momenta_belong_to_the_force),
+      cmocka_unit_test(walls_that_slip_do_not_thin_the_liquid),
       cmocka_unit_test(a_straight_profile_between_walls_is_at_rest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
