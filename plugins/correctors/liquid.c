@@ -238,13 +238,13 @@ static void destroy(void *self, const hk_host *host) {
   hk_liquid_close(&s->method);
 }
 
-/* By how much the density within is off, and with it the volume; 0: by less than is seen, or there are too few cells. */
+/* By how much the density within is off, and with it the volume; 0: by less than is seen, or the cells are few. */
 static double density_off(const liquid *s) {
   double off = s->method.mean - 1;
   return s->method.inside > (size_t)HK_LIQUID_ENOUGH && fabs(off) > 0.05 ? off : 0;
 }
 
-/* A mean of the last steps: the density of some hundred cells of particles at random trembles by a part of a percent. */
+/* A mean of the last steps: the density of some hundred cells of particles at random trembles by parts of a percent. */
 static void note_drift(liquid *s) {
   const double weight = 1.0 / 32;
   double now = 1 / s->method.mean - 1;

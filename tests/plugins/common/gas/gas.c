@@ -187,7 +187,7 @@ static void sums_are_kept_as_the_figure_says(void **state) {
   (void)state;
   fixture *f = open_fixture(32);
   hk_gas *gas = &f->gas;
-  hk_gas_balance balance = {{0}, {0}};
+  hk_gas_balance balance = {.swelled = 0};
   assert_true(isnan(hk_gas_drift(&balance, gas)));
   for (int k = 0; k < 3; k++) gas->carried[k] = false; /* the flow stays as it is */
   fill(gas, 0, turning_x);
