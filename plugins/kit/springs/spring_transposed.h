@@ -1,5 +1,6 @@
 /* Products of the transposed Jacobian of damped springs with a vector u, and derivatives by their coefficients, from
- * the tuples as they are given. With x = x_j - x_i, l = |x|, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j is
+ * the tuples as they are given. With x = x_j - x_i, l = |x|, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j
+ * is
  *
  *   f = -(k (l - L) + c v.n) n,   u.F = w.f,
  *
@@ -16,6 +17,8 @@
 #define HK_SPRING_TRANSPOSED_H
 
 #include "plugins/kit/springs/edge.h"
+
+#include <string.h>
 
 enum { HK_SPRING_BATCH = 64 };
 
@@ -59,7 +62,10 @@ static inline void hk_spring_scatter(const hk_spring_batch *b, double by[3][HK_S
 }
 
 static inline void hk_spring_batch_numbers(const hk_per_tuple *from, size_t first, size_t count, double *to) {
-  for (size_t e = 0; e < count; e++) to[e] = hk_tuple_value(from, first + e);
+  if (from->count > 1)
+    memcpy(to, from->value + first, count * sizeof *to);
+  else
+    for (size_t e = 0; e < count; e++) to[e] = hk_tuple_value(from, 0);
 }
 
 HK_INLINE void hk_spring_batch_each(hk_spring_batch *b) {
