@@ -229,10 +229,13 @@ static changes changes_of(const hk_membrane_params *p, size_t t) {
   return (changes){elasticity_by(of, by_u), elasticity_by(of, by_v), elasticity_by(of, by_nu)};
 }
 
+/* Whether a number for all triangles stands for each of them. */
+static bool has_one(const hk_membrane_params *p) { return p->stiffness.count <= 1 && p->weft.count <= 1; }
+
 static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const block *q, const double *t, size_t begin,
                        size_t count, double *const row[5]) {
   bool weft = p->weft.count, shear = p->shear.count;
-  bool one = p->stiffness.count <= 1 && p->weft.count <= 1; /* number for all triangles */
+  bool one = has_one(p);
   changes by = changes_of(p, m->number[begin]);
   for (size_t r = 0; r < count; r++) {
     size_t start = m->number[begin + r], at = p->triangles.count ? start : 0;
@@ -252,22 +255,33 @@ static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const 
 
 static double part_of(const double *list, size_t at) { return list ? list[at] : 0; }
 
+/* Of the elasticity per area, with the parameters. */
+static hk_elasticity elasticity_along(const hk_membrane_params *p, changes by, size_t start,
+                                      const double *const row[5]) {
+  size_t at = p->triangles.count ? start : 0;
+  double u = part_of(row[BY_STIFFNESS], at), nu = part_of(row[BY_NU], 0),
+         v = p->weft.count ? part_of(row[BY_WEFT], at) : 0, shear = p->shear.count ? part_of(row[BY_SHEAR], at) : 0;
+  return (hk_elasticity){u * by.by_u.c11 + v * by.by_v.c11 + nu * by.by_nu.c11,
+                         u * by.by_u.c22 + v * by.by_v.c22 + nu * by.by_nu.c22,
+                         u * by.by_u.c12 + v * by.by_v.c12 + nu * by.by_nu.c12,
+                         u * by.by_u.c66 + v * by.by_v.c66 + nu * by.by_nu.c66 + shear};
+}
+
 static void take_changes(const hk_membrane *m, const hk_membrane_params *p, const double *t, size_t begin, size_t count,
                          const double *const row[5], block *q) {
-  bool any = false;
-  for (int k = 0; row && k < 5; k++) any = any || row[k];
+  double nu = row ? part_of(row[BY_NU], 0) : 0;
   memset(q->change, 0, sizeof q->change);
   memset(q->slope_change, 0, sizeof q->slope_change);
-  for (size_t r = 0; any && r < count; r++) {
-    size_t start = m->number[begin + r], at = p->triangles.count ? start : 0;
-    const changes by = changes_of(p, start);
+  if (!row || (!row[BY_STIFFNESS] && !row[BY_WEFT] && !row[BY_SHEAR] && !row[BY_NU])) return;
+  bool one = has_one(p);
+  changes of = changes_of(p, m->number[begin]);
+  for (size_t r = 0; r < count; r++) {
     double B = q->number[HK_B0][r] * q->number[HK_B3][r] - q->number[HK_B1][r] * q->number[HK_B2][r];
-    double area = 0.5 / fabs(B), u = part_of(row[BY_STIFFNESS], at), nu = part_of(row[BY_NU], 0);
-    double v = p->weft.count ? part_of(row[BY_WEFT], at) : 0, shear = p->shear.count ? part_of(row[BY_SHEAR], at) : 0;
-    q->change[0][r] = area * (u * by.by_u.c11 + v * by.by_v.c11 + nu * by.by_nu.c11);
-    q->change[1][r] = area * (u * by.by_u.c22 + v * by.by_v.c22 + nu * by.by_nu.c22);
-    q->change[2][r] = area * (u * by.by_u.c12 + v * by.by_v.c12 + nu * by.by_nu.c12);
-    q->change[3][r] = area * (u * by.by_u.c66 + v * by.by_v.c66 + nu * by.by_nu.c66 + shear);
+    double area = 0.5 / fabs(B);
+    if (!one) of = changes_of(p, m->number[begin + r]);
+    const hk_elasticity by = elasticity_along(p, of, m->number[begin + r], row);
+    q->change[0][r] = area * by.c11, q->change[1][r] = area * by.c22;
+    q->change[2][r] = area * by.c12, q->change[3][r] = area * by.c66;
     if (m->model == HK_NEO_HOOKEAN && nu != 0)
       q->slope_change[r] = nu * slope_by_exponent(t[r], m->exponent) / ((1 - p->nu) * (1 - p->nu));
   }

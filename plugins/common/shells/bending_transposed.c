@@ -36,16 +36,21 @@ void hk_bending_transposed(const hk_bending *b, const hk_view *view, const hk_be
 }
 
 /* -(k C(dx) + dk C(x)) w to `to`. */
-static void add_change(const uint32_t *member, const double *w, double stiffness, double change, const double *x,
-                       const double *dx, double *to) {
+static inline void add_change(const uint32_t *member, const double *w, double stiffness, double change, const double *x,
+                              const double *dx, double *to) {
   size_t at[4] = {3 * (size_t)member[0], 3 * (size_t)member[1], 3 * (size_t)member[2], 3 * (size_t)member[3]};
+  double along[3];
   for (size_t c = 0; c < 3; c++) {
-    double base = dx[at[0] + c], moved = 0, bent = 0;
-    for (int m = 1; m < 4; m++) moved += w[m] * (dx[at[m] + c] - base);
-    for (int m = 1; m < 4 && change != 0; m++) bent += w[m] * (x[at[m] + c] - x[at[0] + c]);
-    double along = stiffness * moved + change * bent;
-    for (int m = 0; m < 4; m++) to[at[m] + c] -= along * w[m];
+    double base = dx[at[0] + c];
+    along[c] = w[1] * (dx[at[1] + c] - base) + w[2] * (dx[at[2] + c] - base) + w[3] * (dx[at[3] + c] - base);
+    along[c] *= stiffness;
   }
+  for (size_t c = 0; c < 3 && change != 0; c++) {
+    double base = x[at[0] + c];
+    along[c] += change * (w[1] * (x[at[1] + c] - base) + w[2] * (x[at[2] + c] - base) + w[3] * (x[at[3] + c] - base));
+  }
+  for (int m = 0; m < 4; m++)
+    for (size_t c = 0; c < 3; c++) to[at[m] + c] -= along[c] * w[m];
 }
 
 void hk_bending_along(const hk_bending *b, const hk_view *view, const hk_bending_params *given,

@@ -1,9 +1,9 @@
-/* Products of a solid for adjoints and tangents. With U the deformation gradient of u as of positions, u.F = -volume (P
- * : U) of a tetrahedron, so that its derivative by x is the load of dP(U) + U S(E(R)) + R S(E(U)),      E(A) = sym(F^T
- * A), and that by v the load of F S(E(U)): dP(U) is the derivative of the elastic stress along U, symmetric as that of
- * an energy, and S(E) = 2 mu E + lambda tr E the viscous stress of the rate R (viscosity.c). Both stresses are linear
- * in their mu and lambda, and these in E and in the damping. Forwards, with U and Q the gradients of the changes of x
- * and of v, P changes by dP(U) + U S(E(R)) + F S(sym(U^T R) + E(Q)), and by the changes of both mu and lambda. */
+/* Products of a solid for adjoints. With U the deformation gradient of u as of positions, u.F = -volume (P : U) of a
+ * tetrahedron, so that its derivative by x is the load of
+ *     dP(U) + U S(E(R)) + R S(E(U)),      E(A) = sym(F^T A),
+ * and that by v the load of F S(E(U)): dP(U) is the derivative of the elastic stress along U, symmetric as that of an
+ * energy, and S(E) = 2 mu E + lambda tr E the viscous stress of the rate R (viscosity.c). Both stresses are linear in
+ * their mu and lambda, and these in E and in the damping. */
 #include "plugins/common/solids/solid.h"
 
 #include "plugins/common/solids/matrix3.h"
@@ -113,71 +113,15 @@ void hk_solid_transposed(const hk_solid *s, const hk_view *view, const hk_solid_
   }
 }
 
-/* ---- along directions ---- */
-
-/* T += the elastic stress of the change of its moduli. */
-static void add_moduli(by_moduli change, const double F[9], double T[9]) {
-  double G[9], I = product(F, F), J = hk_matrix3_cofactor(F, G);
-  double a = change.mu * I / (I + 1), p = change.lambda * (J - 1) - 0.75 * change.mu;
-  for (int e = 0; e < 9; e++) T[e] += a * F[e] + p * G[e];
-}
-
-/* T += the change of the viscous stress, that of its moduli as well. */
-static void add_viscous_change(hk_viscosity v, by_moduli change, const double F[9], const double R[9],
-                               const double U[9], const double Q[9], double T[9]) {
-  double E[9], S[9];
-  strain_of(v, F, R, E, S);
-  add_product(U, S, T);
-  strain_of((hk_viscosity){.mu = change.mu, .lambda = change.lambda}, F, R, E, S);
-  add_product(F, S, T);
-  strain_of(v, U, R, E, S);
-  add_product(F, S, T);
-  strain_of(v, F, Q, E, S);
-  add_product(F, S, T);
-}
-
-/* The changes of the moduli of tetrahedron k with those of E, nu and the damping. */
-static void moduli_along(const hk_solid_params *given, size_t k, const double *const row[3], by_moduli *elastic,
-                         by_moduli *viscous) {
-  double nu = hk_tuple_value(&given->nu, k), by_E = row[0] ? row[0][k] : 0, by_nu = row[1] ? row[1][k] : 0,
-         by_c = row[2] ? row[2][k] : 0;
+hk_solid_moduli hk_solid_moduli_along(double E, double nu, double by_E, double by_nu) {
   hk_neo_hookean one = hk_neo_hookean_of(1, nu);
-  hk_viscosity creep = hk_viscosity_of(1, nu);
-  by_moduli of_E = lame_by_nu(hk_tuple_value(&given->E, k), nu),
-            of_c = lame_by_nu(hk_tuple_value(&given->damping, k), nu);
-  *elastic = (by_moduli){by_E * one.mu + by_nu * 4 / 3 * of_E.mu,
-                         by_E * one.lambda + by_nu * (of_E.lambda + 5.0 / 6 * of_E.mu)};
-  *viscous = (by_moduli){by_c * creep.mu + by_nu * of_c.mu, by_c * creep.lambda + by_nu * of_c.lambda};
+  by_moduli of_nu = lame_by_nu(E, nu);
+  return (hk_solid_moduli){by_E * one.mu + by_nu * 4 / 3 * of_nu.mu,
+                           by_E * one.lambda + by_nu * (of_nu.lambda + 5.0 / 6 * of_nu.mu)};
 }
 
-static void add_along(const hk_solid *s, size_t k, const hk_solid_params *given, const double F[9], const double R[9],
-                      size_t first, const hk_tangent *t) {
-  const hk_solid_part *p = hk_solid_part_of(s, k);
-  const uint32_t *member = hk_tuple(&s->tuples.acting, k);
-  const double *const *row = t->parameter ? t->parameter + first : NULL;
-  double U[9], Q[9], T[9] = {0};
-  by_moduli elastic = {0}, viscous = {0};
-  hk_tetrahedron_gradient(&p->shape, t->x, member, U);
-  add_elastic(p->elastic, F, U, T);
-  if (row && (row[0] || row[1] || row[2])) {
-    moduli_along(given, s->tuples.number[k], row, &elastic, &viscous);
-    add_moduli(elastic, F, T);
-  }
-  if (p->viscous.mu > 0 || viscous.mu != 0) {
-    hk_tetrahedron_gradient(&p->shape, t->v, member, Q);
-    add_viscous_change(p->viscous, viscous, F, R, U, Q, T);
-  }
-  add_load(&p->shape, member, T, t->force);
-}
-
-void hk_solid_along(const hk_solid *s, const hk_view *view, const hk_solid_params *given, size_t row,
-                    const hk_tangent *directions, size_t count) {
-  for (size_t k = 0; k < s->tuples.acting.count; k++) {
-    const hk_solid_part *p = hk_solid_part_of(s, k);
-    const uint32_t *member = hk_tuple(&s->tuples.acting, k);
-    double F[9], R[9];
-    hk_tetrahedron_gradient(&p->shape, view->x, member, F);
-    hk_tetrahedron_gradient(&p->shape, view->v, member, R);
-    for (size_t j = 0; j < count; j++) add_along(s, k, given, F, R, row, &directions[j]);
-  }
+hk_solid_moduli hk_solid_creep_along(double damping, double nu, double by_damping, double by_nu) {
+  hk_viscosity one = hk_viscosity_of(1, nu);
+  by_moduli of_nu = lame_by_nu(damping, nu);
+  return (hk_solid_moduli){by_damping * one.mu + by_nu * of_nu.mu, by_damping * one.lambda + by_nu * of_nu.lambda};
 }

@@ -24,7 +24,7 @@ static inline void hk_spring_along(const hk_elements *springs, const hk_view *vi
 
 /* ---- how ---- */
 
-/* Beside `of`, whose w is dx and whose by_x is the change of the force on j. */
+/* Beside `of`, whose w is dx and whose by_x is the change of the force on i. */
 typedef struct hk_spring_changes {
   hk_spring_batch of;
   double u[3][HK_SPRING_BATCH]; /* dv */
@@ -42,9 +42,9 @@ HK_INLINE void hk_spring_along_each(hk_spring_changes *q) {
     double nu = nx * q->u[0][e] + ny * q->u[1][e] + nz * q->u[2][e], turn = r * (vx * wx + vy * wy + vz * wz - nw * nv);
     double limit = L == 0 ? k : 0, pull = (k * (l - L) + c * nv) * r, bend = some > 0 ? pull : limit;
     double more = k * (nw - q->dL[e]) + q->dk[e] * (l - L) + c * (nu + turn) + q->dc[e] * nv, along = bend * nw - more;
-    b->by_x[0][e] = along * nx - bend * wx;
-    b->by_x[1][e] = along * ny - bend * wy;
-    b->by_x[2][e] = along * nz - bend * wz;
+    b->by_x[0][e] = bend * wx - along * nx;
+    b->by_x[1][e] = bend * wy - along * ny;
+    b->by_x[2][e] = bend * wz - along * nz;
   }
 }
 
@@ -58,15 +58,10 @@ static inline void hk_spring_take_changes(const hk_tangent *t, size_t row, size_
     memset(to, 0, count * sizeof *to);
 }
 
-static inline void hk_spring_add_changes(const hk_spring_batch *b, const hk_view *view, double *to) {
-  for (size_t e = 0; e < b->count; e++) {
-    const uint32_t *pair = b->pair[e];
-    if (view->is_active && !hk_edge_acts(view, pair)) continue;
-    for (size_t a = 0; a < 3; a++) {
-      to[3 * (size_t)pair[1] + a] += b->by_x[a][e];
-      to[3 * (size_t)pair[0] + a] -= b->by_x[a][e];
-    }
-  }
+/* Where an end is not acted on, nothing changes. */
+static inline void hk_spring_leave_others(hk_spring_batch *b, const hk_view *view) {
+  for (size_t e = 0; e < b->count; e++)
+    if (!hk_edge_acts(view, b->pair[e])) b->by_x[0][e] = b->by_x[1][e] = b->by_x[2][e] = 0;
 }
 
 static inline bool hk_spring_any_damped(const hk_elements *s, const hk_spring_rows *rows, const hk_tangent *t,
@@ -84,8 +79,7 @@ static inline void hk_spring_along(const hk_elements *s, const hk_view *view, co
   hk_spring_batch *b = &q.of;
   bool damped = hk_spring_any_damped(s, rows, t, count);
   for (size_t e = 0; e < s->node.count; e += HK_SPRING_BATCH) {
-    b->pair = hk_pairs(&s->node) + e;
-    b->count = s->node.count - e < HK_SPRING_BATCH ? s->node.count - e : HK_SPRING_BATCH;
+    hk_spring_batch_of(b, s, e);
     hk_spring_gather(b, view->x, b->d);
     if (damped) hk_spring_gather(b, view->v, b->v);
     hk_spring_batch_numbers(&s->stiffness, e, b->count, b->k);
@@ -98,7 +92,8 @@ static inline void hk_spring_along(const hk_elements *s, const hk_view *view, co
       hk_spring_take_changes(&t[j], rows->c, e, b->count, q.dc);
       hk_spring_take_changes(&t[j], rows->L, e, b->count, q.dL);
       HK_WIDEST(view->host->lanes, hk_spring_along_work)(&q);
-      hk_spring_add_changes(b, view, t[j].force);
+      if (view->is_active) hk_spring_leave_others(b, view);
+      hk_spring_scatter(b, b->by_x, t[j].force);
     }
   }
 }
