@@ -12,7 +12,8 @@ static bool is_tuples(hk_type type) { return type == HK_EDGES || type == HK_TRIA
 
 static bool is_number(hk_type type) { return type == HK_NUMBER || type == HK_VECTOR || type == HK_PER_TUPLE; }
 
-size_t hk_force_row_numbers(const hk_instance *force, const hk_param *p) {
+/* How many derivatives a row has. */
+static size_t numbers_of(const hk_instance *force, const hk_param *p) {
   switch (hk_param_type(p)) {
   case HK_NUMBER:
     return 1;
@@ -44,7 +45,7 @@ static hk_status cover(hk_force_slopes *s, const hk_instance *force, size_t k) {
   if (!row) return HK_NO_MEMORY;
   s->force[k] = row;
   for (size_t r = 0; r < rows; r++) {
-    size_t count = hk_force_row_numbers(force, &force->plugin->params[r]);
+    size_t count = numbers_of(force, &force->plugin->params[r]);
     if (count > 0 && !(row[r] = calloc(count, sizeof **row))) return HK_NO_MEMORY;
   }
   return HK_OK;
@@ -229,7 +230,7 @@ static double by_forces(const hk_force_slopes *s, const hk_dynamics *d, const hk
     for (size_t r = 0; r < rows; r++)
       if (s->force[k][r])
         sum += by_row(&force->plugin->params[r], size ? NULL : s->force[k][r],
-                      hk_force_row_numbers(force, &force->plugin->params[r]), force_at(by->more, k)->self,
+                      numbers_of(force, &force->plugin->params[r]), force_at(by->more, k)->self,
                       force_at(by->less, k)->self);
   }
   return sum;
@@ -280,7 +281,7 @@ static size_t numbers_of_all(const hk_force_slopes *s, const hk_dynamics *d, siz
   for (size_t k = 0; k < d->split.forces; k++) {
     const hk_instance *force = force_at(d, k);
     size_t own = s->covers[k] ? rows_of(force) : 0;
-    for (size_t r = 0; r < own; r++) numbers += hk_force_row_numbers(force, &force->plugin->params[r]);
+    for (size_t r = 0; r < own; r++) numbers += numbers_of(force, &force->plugin->params[r]);
     *rows += own;
   }
   return numbers;
@@ -300,7 +301,7 @@ hk_status hk_force_changes_open(hk_force_changes *c, const hk_force_slopes *s, c
     if (s->covers[k] && !(c->force[k] = calloc(own + 1, sizeof **c->force))) return HK_NO_MEMORY;
     for (size_t r = 0; r < own; r++) {
       const hk_param *p = &force->plugin->params[r];
-      size_t count = hk_force_row_numbers(force, p);
+      size_t count = numbers_of(force, p);
       if (count && row_along(p, count, force_at(by->more, k)->self, force_at(by->less, k)->self, by->by, at))
         c->force[k][r] = at;
       at += count;

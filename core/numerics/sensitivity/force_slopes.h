@@ -26,8 +26,6 @@ struct hk_force_changes {
  * (facets/implicit.h). */
 hk_status hk_force_slopes_open(hk_force_slopes *, const hk_dynamics *, const bool *exact);
 void hk_force_slopes_close(hk_force_slopes *, const hk_dynamics *);
-/* How many derivatives a row of a force's parameters has. */
-size_t hk_force_row_numbers(const hk_instance *force, const hk_param *);
 /* Whether the parameter changes numbers of these forces alone, as the chain rule needs it: not which particles they act
  * on, not what joins them, and not masses where other forces than these act on them. */
 bool hk_force_slopes_fit(const hk_force_slopes *, const hk_dynamics *, const hk_varied *);

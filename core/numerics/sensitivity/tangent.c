@@ -43,7 +43,7 @@ static hk_status find_changes(hk_changes_plan *p, const hk_sensitivity *s, const
   return status;
 }
 
-/* Linear steps compare matrices between scenes, whose rounding is that of the forces compared: what a stiff spring's
+/* Linear steps compare matrices between scenes, whose rounding is that of the forces compared: what a stiff force's
  * number makes of both is larger than what it makes of their sum. */
 hk_status hk_changes_plan_open(hk_changes_plan *p, const hk_sensitivity *s, const hk_varied *by, size_t count) {
   *p = (hk_changes_plan){.count = count, .changes = calloc(count + 1, sizeof *p->changes)};

@@ -1,39 +1,44 @@
 /* Products of a force's Jacobian of its own (core/plugin/facets/implicit.h), at the state of the subject. */
 #include "tools/native/common/subject.h"
 
-#include "core/numerics/sensitivity/force_slopes.h"
-
-/* The lists of a force's parameters: derivatives by them, and a direction in them. */
+/* Of a force's parameters and the masses: derivatives by them, and a direction in them, NULL where there are none. */
 typedef struct lists {
-  hk_force_slopes slopes;
-  const double **row;
-  double *mass, *numbers;
+  double **by;
+  const double **along;
+  size_t *count, rows;
+  double *by_mass, *mass;
 } lists;
 
-static size_t rows_of(const hk_instance *force) {
-  size_t rows = 0;
-  while (force->plugin->params && force->plugin->params[rows].name) rows++;
-  return rows;
+/* How many derivatives a row has (facets/implicit.h, hk_transposed). */
+static size_t numbers_of(const hk_instance *force, const hk_param *p) {
+  hk_type type = hk_param_type(p);
+  if (type == HK_PER_TUPLE) {
+    const hk_tuples *list = hk_param_in(hk_param_list(force->plugin, p->list), force->self);
+    return list->count > 0 ? list->count : 1;
+  }
+  return type == HK_NUMBER ? 1 : type == HK_VECTOR ? 3 : 0;
 }
 
 static double direction(size_t k) { return sin(1.7 * (double)k) + 0.3; }
 
-/* A direction in all numbers by which the force gives derivatives, and in the masses. */
-static bool open_lists(lists *l, lua_State *L, hk_subject *s) {
-  const hk_dynamics *d = &s->run->dynamics;
-  size_t rows = rows_of(s->instance), at = 0;
-  if (hk_force_slopes_open(&l->slopes, d, NULL) != HK_OK || !l->slopes.force[s->index]) return false;
-  l->row = (const double **)lua_newuserdatauv(L, (rows + 1) * sizeof *l->row, 0);
-  l->mass = hk_table_memory(L, s->n);
-  for (size_t i = 0; i < s->n; i++) l->mass[i] = direction(i);
-  for (size_t r = 0; r < rows; r++) {
-    size_t count = hk_force_row_numbers(s->instance, &s->instance->plugin->params[r]);
-    bool given = count > 0 && !(r < 64 && s->force->implicit.not_by >> r & 1);
+/* In all numbers by which the force gives derivatives. */
+static lists lists_of(lua_State *L, const hk_subject *s) {
+  const hk_param *params = s->instance->plugin->params;
+  lists l = {.by_mass = hk_table_memory(L, s->n), .mass = hk_table_memory(L, s->n)};
+  size_t at = 0;
+  while (params && params[l.rows].name) l.rows++;
+  l.by = lua_newuserdatauv(L, (l.rows + 1) * sizeof *l.by, 0);
+  l.along = lua_newuserdatauv(L, (l.rows + 1) * sizeof *l.along, 0);
+  l.count = lua_newuserdatauv(L, (l.rows + 1) * sizeof *l.count, 0);
+  for (size_t i = 0; i < s->n; i++) l.mass[i] = direction(i);
+  for (size_t r = 0; r < l.rows; r++) {
+    size_t count = l.count[r] = numbers_of(s->instance, &params[r]);
     double *list = hk_table_memory(L, count);
     for (size_t k = 0; k < count; k++) list[k] = direction(at++);
-    l->row[r] = given ? list : NULL;
+    l.by[r] = count > 0 ? hk_table_memory(L, count) : NULL;
+    l.along[r] = count > 0 && !(r < 64 && s->force->implicit.not_by >> r & 1) ? list : NULL;
   }
-  return true;
+  return l;
 }
 
 static double product(const double *a, const double *b, size_t count) {
@@ -84,34 +89,27 @@ int hk_subject_pair(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   const hk_implicit_facet *f = &s->force->implicit;
   size_t size = s->size;
-  lists l = {.row = NULL};
   if (!f->along || !f->transposed) return 0;
-  double *u = hk_table_memory(L, 6 * size), *w = u + size, *by = w + 2 * size, *force = by + 2 * size, left = 0,
-         sum = 0;
+  double *u = hk_table_memory(L, 6 * size), *w = u + size, *by = w + 2 * size, *force = by + 2 * size, sum = 0;
   hk_table_read(L, 2, u, size);
   hk_table_read(L, 3, w, size);
   hk_table_read(L, 4, w + size, size);
-  bool parameters = open_lists(&l, L, s);
-  double *const *row = parameters ? (double *const *)l.slopes.force[s->index] : NULL;
+  const lists l = lists_of(L, s);
   hk_subject_enter(s, "along");
-  hk_status status =
-      f->along(s->instance->self, &s->view,
-               &(hk_tangent){w, w + size, parameters ? l.row : NULL, parameters ? l.mass : NULL, force}, 1);
+  hk_status status = f->along(s->instance->self, &s->view, &(hk_tangent){w, w + size, l.along, l.mass, force}, 1);
   hk_subject_enter(s, "transposed");
   if (status == HK_OK)
-    status = f->transposed(s->instance->self, &s->view, u,
-                           &(hk_transposed){by, by + size, row, parameters ? l.slopes.mass : NULL});
+    status = f->transposed(s->instance->self, &s->view, u, &(hk_transposed){by, by + size, l.by, l.by_mass});
   hk_subject_leave(s);
   for (size_t k = 0; k < size; k++) sum += fabs(u[k] * force[k]);
   for (size_t k = 0; k < 2 * size; k++) sum += fabs(by[k] * w[k]);
-  left = product(u, force, size) - product(by, w, 2 * size);
-  for (size_t r = 0; parameters && r < rows_of(s->instance); r++) {
-    size_t count = hk_force_row_numbers(s->instance, &s->instance->plugin->params[r]);
-    if (l.row[r]) left -= product(row[r], l.row[r], count), sum += fabs(product(row[r], l.row[r], count));
+  double off = product(u, force, size) - product(by, w, 2 * size) - product(l.by_mass, l.mass, s->n);
+  for (size_t r = 0; r < l.rows; r++) {
+    double part = l.along[r] ? product(l.by[r], l.along[r], l.count[r]) : 0;
+    off -= part;
+    sum += fabs(part);
   }
-  if (parameters) left -= product(l.slopes.mass, l.mass, s->n);
-  hk_force_slopes_close(&l.slopes, &s->run->dynamics);
-  lua_pushnumber(L, status == HK_OK ? left : NAN);
+  lua_pushnumber(L, status == HK_OK ? off : NAN);
   lua_pushnumber(L, sum);
   return 2;
 }
