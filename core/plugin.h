@@ -28,7 +28,7 @@
 #include "core/plugin/lists.h"
 
 #define HK_ABI_MAJOR 3 /* another major is refused */
-#define HK_ABI_MINOR 4 /* a plugin with a newer minor than the host's is refused */
+#define HK_ABI_MINOR 5 /* a plugin with a newer minor than the host's is refused */
 #define HK_ABI ((HK_ABI_MAJOR << 16) | HK_ABI_MINOR)
 
 #if defined(__GNUC__)

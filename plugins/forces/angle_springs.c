@@ -158,10 +158,6 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 enum { STIFFNESS = 3, DAMPING = 4, REST = 6, NORMAL = 8 }; /* rows of the table */
 
-static bool acts(const hk_view *view, const uint32_t *node) {
-  return !view->is_active || (view->is_active[node[0]] && view->is_active[node[1]] && view->is_active[node[2]]);
-}
-
 /* Goes through the list along with those that act. */
 typedef struct slopes {
   const angle_springs *self;
@@ -172,7 +168,7 @@ typedef struct slopes {
 
 static void add_slopes(void *context, double by_k, double by_c, double by_rest) {
   slopes *to = context;
-  while (!acts(to->view, hk_tuple(&to->self->joints, to->next))) to->next++;
+  while (!hk_joint_acts(to->view, hk_tuple(&to->self->joints, to->next))) to->next++;
   to->row[STIFFNESS][to->next] += by_k;
   to->row[DAMPING][to->next] += by_c;
   to->row[REST][to->next++] += by_rest;
@@ -182,6 +178,13 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   const angle_springs *s = self;
   slopes to = {s, view, into->parameter, 0};
   hk_joint_transposed(&s->list.acting, view, s->plane, u, into->x, into->v, into->parameter ? add_slopes : NULL, &to);
+  return HK_OK;
+}
+
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const angle_springs *s = self;
+  const hk_joint_rows rows = {STIFFNESS, DAMPING, REST};
+  hk_joint_along(&s->list.acting, view, s->plane, &s->joints, &rows, directions, count);
   return HK_OK;
 }
 
@@ -208,10 +211,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(
-        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .not_by = 1 << NORMAL),
-        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
-        HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed,
+                                          .not_by = 1 << NORMAL, .along = along),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -240,21 +240,92 @@ static void add_slopes(const central *p, const hk_view *view, const block *q, si
   }
 }
 
+/* s^2 and s^(power - 1). */
+static void measure(const central *p, const hk_view *view, size_t count, block *q) {
+  HK_WIDEST(view->host->lanes, squares_of)(p, q);
+  for (size_t k = 0; k < count && p->power != 1 && p->power != -2; k++) q->power[k] = power_of(p, q->s2[k]);
+  for (size_t k = count; k < BLOCK; k++) q->power[k] = 0;
+}
+
 static hk_status transposed(void *self, const hk_view *view, const double *u, const hk_transposed *into) {
   const central *p = self;
   block q;
   for (size_t first = 0; first < view->acting; first += BLOCK) {
     size_t count = view->acting - first < BLOCK ? view->acting - first : BLOCK;
     take(p, view, u, first, count, &q);
-    HK_WIDEST(view->host->lanes, squares_of)(p, &q);
-    for (size_t k = 0; k < count && p->power != 1 && p->power != -2; k++) q.power[k] = power_of(p, q.s2[k]);
-    for (size_t k = count; k < BLOCK; k++) q.power[k] = 0;
+    measure(p, view, count, &q);
     HK_WIDEST(view->host->lanes, turn_many)(p, &q);
     for (size_t k = 0; k < count; k++) {
       double *to = into->x + 3 * hk_acting_particle(view, first + k);
       for (int c = 0; c < 3; c++) to[c] += q.to[c][k];
     }
     if (into->parameter) add_slopes(p, view, &q, first, count, into);
+  }
+  return HK_OK;
+}
+
+/* ---- along directions ---- */
+
+/* How the parameters change; F = -all g r, r = d - (d.a) a. */
+typedef struct changes {
+  double center[3], axis[3], strength, power, s_ds, e_de; /* the last: of s^2/2 and e^2/2, by softening and range */
+} changes;
+
+static changes changes_of(const central *p, const double *const *row) {
+  changes to = {0};
+  for (int c = 0; c < 3 && row && row[CENTER]; c++) to.center[c] = row[CENTER][c];
+  for (int c = 0; c < 3 && row && row[AXIS]; c++) to.axis[c] = row[AXIS][c];
+  if (row && row[STRENGTH]) to.strength = row[STRENGTH][0];
+  if (row && row[POWER]) to.power = row[POWER][0];
+  if (row && row[SOFTENING]) to.s_ds = to.e_de = p->softening * row[SOFTENING][0];
+  if (row && row[RANGE] && p->end2 < INFINITY) to.e_de += p->range * row[RANGE][0];
+  return to;
+}
+
+/* q->w is the change of d, by_s that of the strength times what each has, and by_end ln s where the power changes. */
+HK_INLINE void change_each(const central *p, const changes *by, block *q) {
+  const double *a = p->axis, by_e2 = 1 / p->end2; /* 0: no range */
+  for (int k = 0; k < BLOCK; k++) {
+    double s2 = q->s2[k], some = s2 < tiny ? 0 : 1, by_root = 1 / sqrt(s2 < tiny ? 1 : s2), r[3], w[3], dr[3];
+    double out = by_e2 > 0 ? s2 * by_e2 : 0, in = out < 1 ? 1 - out : 0, power = out < 1 ? q->power[k] : 0;
+    double g = power * in * in, end = 4 * power * in * (1 - in), fall = some * ((p->power - 1) * g - end);
+    for (int c = 0; c < 3; c++) r[c] = q->d[c][k] - q->ad[k] * a[c], w[c] = q->w[c][k];
+    double aw = w[0] * a[0] + w[1] * a[1] + w[2] * a[2], turn = 0;
+    for (int c = 0; c < 3; c++) turn += q->d[c][k] * by->axis[c];
+    for (int c = 0; c < 3; c++) dr[c] = w[c] - (aw + turn) * a[c] - q->ad[k] * by->axis[c];
+    double along = (r[0] * dr[0] + r[1] * dr[1] + r[2] * dr[2] + by->s_ds) * by_root, all = p->strength * q->each[k];
+    double part = all * fall * along, rest = end * by->e_de * by_e2 + g * q->by_end[k] * by->power;
+    double grow = q->by_s[k] * g + all * rest;
+    for (int c = 0; c < 3; c++) q->to[c][k] = -(part * (r[c] * by_root) + grow * r[c] + all * g * dr[c]);
+  }
+}
+
+HK_VERSIONS(static void, change_many, (const central *p, const changes *by, block *q), change_each(p, by, q))
+
+static void take_change(const central *p, const hk_view *view, const hk_tangent *t, const changes *by, size_t first,
+                        size_t count, block *q) {
+  for (size_t k = 0; k < BLOCK; k++) {
+    size_t i = hk_acting_particle(view, first + (k < count ? k : 0));
+    for (size_t c = 0; c < 3; c++) q->w[c][k] = t->x[3 * i + c] - by->center[c];
+    q->by_s[k] = by->strength * q->each[k] + (p->per == 0 && t->mass ? p->strength * t->mass[i] : 0);
+    q->by_end[k] = by->power != 0 && q->s2[k] >= tiny ? log(q->s2[k]) / 2 : 0;
+  }
+}
+
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count_directions) {
+  const central *p = self;
+  block q;
+  for (size_t first = 0; first < view->acting; first += BLOCK) {
+    size_t count = view->acting - first < BLOCK ? view->acting - first : BLOCK;
+    take(p, view, view->x, first, count, &q);
+    measure(p, view, count, &q);
+    for (const hk_tangent *t = directions; t < directions + count_directions; t++) {
+      const changes by = changes_of(p, t->parameter);
+      take_change(p, view, t, &by, first, count, &q);
+      HK_WIDEST(view->host->lanes, change_many)(p, &by, &q);
+      for (size_t k = 0; k < count; k++)
+        for (size_t c = 0; c < 3; c++) t->force[3 * hk_acting_particle(view, first + k) + c] += q.to[c][k];
+    }
   }
   return HK_OK;
 }
@@ -309,8 +380,9 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ENCOUNTERS_FACET(.find = encounters)),
+    .facets =
+        HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .along = along),
+                  HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ENCOUNTERS_FACET(.find = encounters)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -122,6 +122,27 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static double change_of(const hk_tangent *t, int row) {
+  return t->parameter && t->parameter[row] ? t->parameter[row][0] : 0;
+}
+
+/* How the coefficient of particle i changes. */
+static double coefficient_along(const drag *p, const hk_view *view, const hk_tangent *t, size_t i) {
+  if (p->channel) return six_pi * change_of(t, VISCOSITY) * view->y[p->channel->offset * view->n + i];
+  if (!isnan(p->d)) return change_of(t, EACH);
+  return change_of(t, RATE) * view->model->mass[i] + (t->mass ? p->rate * t->mass[i] : 0);
+}
+
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  for (const hk_tangent *t = directions; t < directions + count; t++)
+    for (size_t k = 0; k < view->acting; k++) {
+      size_t i = hk_acting_particle(view, k);
+      double d = coefficient(self, view, i), change = coefficient_along(self, view, t, i);
+      for (size_t c = 3 * i; c < 3 * i + 3; c++) t->force[c] -= d * t->v[c] + change * view->v[c];
+    }
+  return HK_OK;
+}
+
 /* D is the coefficient of each particle. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   for (size_t k = 0; part == HK_DAMPING_WHOLE && k < view->acting; k++) {
@@ -136,8 +157,9 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
     .add = add,
     .add_part = add_part,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed),
-                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound)),
+    .facets =
+        HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .along = along),
+                  HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

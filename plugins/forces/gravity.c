@@ -55,13 +55,27 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const gravity *s = self;
+  for (const hk_tangent *t = directions; t < directions + count; t++) {
+    const double *g = t->parameter ? t->parameter[0] : NULL;
+    for (size_t k = 0; (g || t->mass) && k < view->acting; k++) {
+      size_t i = hk_acting_particle(view, k);
+      for (size_t c = 0; c < 3; c++)
+        t->force[3 * i + c] += (g ? view->model->mass[i] * g[c] : 0) + (t->mass ? t->mass[i] * s->g[c] : 0);
+    }
+  }
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_SYMMETRIC_JACOBIAN,
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed)),
+    .facets = HK_FACETS(
+        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .along = along)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -130,6 +130,12 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const hinges *h = self;
+  hk_hinge_along(&h->bending, h->rest, h->turned.item, view, &h->given, directions, count);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -138,7 +144,7 @@ static const hk_force force = {
     .add_part = add_part,
     .energy = hk_bending_energy,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = jacobian, .transposed = transposed,
-                                          .of_start = true),
+                                          .of_start = true, .along = along),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
                         HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts),
                         HK_STEPS_FACET(.accepted = accepted, .keeps_branch = true)),

@@ -45,6 +45,12 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const membrane *m = self;
+  hk_membrane_along(&m->sheet, view, &m->given, STIFFNESS, directions, count);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -53,7 +59,8 @@ static const hk_force force = {
     .add_part = hk_membrane_add_part,
     .energy = hk_membrane_potential,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_membrane_name_blocks, .jacobian = hk_membrane_add_blocks,
-                                          .transposed = transposed, .not_by = 1 << WARP | 1 << REST, .of_start = true),
+                                          .transposed = transposed, .not_by = 1 << WARP | 1 << REST, .of_start = true,
+                                          .along = along),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_membrane_add_bound), HK_ELEMENTS_FACET(.list = elements),
                         HK_PARTS_FACET(.touch = hk_membrane_touch)),
 };

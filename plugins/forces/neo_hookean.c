@@ -76,6 +76,12 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const neo_hookean *s = self;
+  hk_solid_along(&s->body, view, &s->given, MODULUS, directions, count);
+  return HK_OK;
+}
+
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   hk_solid_stiffness_bound(&((neo_hookean *)self)->body, view, part, block);
 }
@@ -87,10 +93,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(
-        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .of_start = true),
-        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
-        HK_ELEMENTS_FACET(.lists = HK_SOLID_LISTS, .list = elements), HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed,
+                                          .of_start = true, .along = along),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
+                        HK_ELEMENTS_FACET(.lists = HK_SOLID_LISTS, .list = elements), HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -63,6 +63,12 @@ static hk_status transposed(void *self, const hk_view *view, const double *u, co
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const quadratic_bending *b = self;
+  hk_bending_along(&b->bending, view, &b->given, directions, count);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -71,7 +77,7 @@ static const hk_force force = {
     .add_part = hk_bending_add_part,
     .energy = hk_bending_energy,
     .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = hk_bending_jacobian,
-                                          .transposed = transposed, .of_start = true),
+                                          .transposed = transposed, .of_start = true, .along = along),
                         HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
                         HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts)),
 };

@@ -3,6 +3,7 @@
  * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/kit/springs/edge.h"
 #include "plugins/kit/springs/edge_order.h"
+#include "plugins/kit/springs/spring_along.h"
 #include "plugins/kit/springs/spring_blocks.h"
 #include "plugins/kit/springs/spring_bilinear.h"
 
@@ -152,6 +153,13 @@ static hk_status bilinear(void *self, const hk_view *view, const hk_bilinear *fo
   return HK_OK;
 }
 
+static hk_status along(void *self, const hk_view *view, const hk_tangent *directions, size_t count) {
+  const hk_elements all = all_of(self);
+  const hk_spring_rows rows = {K, DAMPING, REST};
+  hk_spring_along(&all, view, &rows, directions, count);
+  return HK_OK;
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -159,10 +167,10 @@ static const hk_force force = {
     .add = add,
     .add_part = add_part,
     .energy = energy,
-    .facets = HK_FACETS(
-        HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed, .bilinear = bilinear),
-        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
-        HK_PARTS_FACET(.touch = parts)),
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian, .transposed = transposed,
+                                          .bilinear = bilinear, .along = along),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

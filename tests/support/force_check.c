@@ -111,6 +111,21 @@ static void check_transposed(const hk_instance *force, const hk_view *view, cons
   free(u);
 }
 
+/* So is its change along a direction. */
+static void check_along(const hk_instance *force, const hk_view *view, const double *K, const double *D) {
+  const hk_implicit_facet *f = &hk_force_of(force->plugin)->implicit;
+  size_t size = 3 * view->n;
+  double *x = calloc(3 * size + 1, sizeof *x), *v = x + size, *to = v + size;
+  double tolerance = 1e-12 * (largest(K, size * size) + largest(D, size * size));
+  for (size_t e = 0; e < size; e++) x[e] = cos(1.3 * (double)e), v[e] = sin(0.8 * (double)e);
+  assert_int_equal(f->along(force->self, view, &(hk_tangent){.x = x, .v = v, .force = to}, 1), HK_OK);
+  for (size_t r = 0; r < size; r++) {
+    for (size_t e = 0; e < size; e++) to[r] += K[r * size + e] * x[e] + D[r * size + e] * v[e];
+    if (!(fabs(to[r]) <= tolerance)) fail_msg("%zu: %g of %g", r, to[r], tolerance);
+  }
+  free(x);
+}
+
 size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, double *D) {
   names list = {.pattern = {name}};
   hk_force_of(force->plugin)->implicit.pattern(force->self, view, &list.pattern);
@@ -123,6 +138,7 @@ size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, 
   expand(&list, block[0], 3 * view->n, K);
   expand(&list, block[1], 3 * view->n, D);
   if (hk_force_of(force->plugin)->implicit.transposed) check_transposed(force, view, K, D);
+  if (hk_force_of(force->plugin)->implicit.along) check_along(force, view, K, D);
   for (int m = 0; m < 2; m++) free(block[m]);
   free(slot);
   free(list.at);

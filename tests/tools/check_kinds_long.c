@@ -133,12 +133,18 @@ static void faults_of_services_are_found(void **state) {
   each_fault_has_its_sentence("service", 6);
 }
 
+static void faults_of_products_are_found(void **state) {
+  (void)state;
+  each_fault_has_its_sentence("products", 12);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_plugin_of_the_project_passes), cmocka_unit_test(every_fixture_that_is_right_passes),
       cmocka_unit_test(faults_of_constraints_are_found),    cmocka_unit_test(faults_of_correctors_are_found),
       cmocka_unit_test(faults_of_sources_are_found),        cmocka_unit_test(faults_of_solvers_are_found),
       cmocka_unit_test(faults_of_outputs_are_found),        cmocka_unit_test(faults_of_services_are_found),
+      cmocka_unit_test(faults_of_products_are_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -344,25 +344,6 @@ static int get_blocks(lua_State *L) {
   return 3;
 }
 
-/* transposed(subject, u, start) -> (dF/dx)^T u and (dF/dv)^T u, of lists that held `start` before, which is taken off
- * again, and whether it was fine; nil: it has no such product. */
-static int get_transposed(lua_State *L) {
-  hk_subject *s = hk_subject_at(L, 1);
-  if (!s->force->implicit.transposed) return 0;
-  double start = luaL_optnumber(L, 3, 0), *u = hk_table_memory(L, s->size), *into = hk_table_memory(L, 2 * s->size);
-  hk_table_read(L, 2, u, s->size);
-  for (size_t k = 0; k < 2 * s->size; k++) into[k] = start;
-  hk_subject_enter(s, "transposed");
-  hk_status status =
-      s->force->implicit.transposed(s->instance->self, &s->view, u, &(hk_transposed){.x = into, .v = into + s->size});
-  hk_subject_leave(s);
-  for (size_t k = 0; k < 2 * s->size; k++) into[k] -= start;
-  hk_table_push(L, into, s->size);
-  hk_table_push(L, into + s->size, s->size);
-  lua_pushboolean(L, status == HK_OK);
-  return 3;
-}
-
 __attribute__((visibility("default"))) int luaopen_inspect(lua_State *L);
 
 int luaopen_inspect(lua_State *L) {
@@ -392,7 +373,10 @@ int luaopen_inspect(lua_State *L) {
                                        {"slopes", force_differences},
                                        {"pattern", get_pattern},
                                        {"blocks", get_blocks},
-                                       {"transposed", get_transposed},
+                                       {"transposed", hk_subject_transposed},
+                                       {"along", hk_subject_along},
+                                       {"pair", hk_subject_pair},
+                                       {"bilinear", hk_subject_bilinear},
                                        {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;

@@ -49,6 +49,8 @@ static void set_force(lua_State *L, const hk_plugin *plugin) {
   hk_tool_set_flag(L, "energy", f->energy != NULL);
   hk_tool_set_flag(L, "jacobian", hk_force_of(plugin)->implicit.jacobian != NULL);
   hk_tool_set_flag(L, "transposed", hk_force_of(plugin)->implicit.transposed != NULL);
+  hk_tool_set_flag(L, "along", hk_force_of(plugin)->implicit.along != NULL);
+  hk_tool_set_flag(L, "bilinear", hk_force_of(plugin)->implicit.bilinear != NULL);
 }
 
 static void set_method(lua_State *L, const hk_integrator *m) {

@@ -200,7 +200,7 @@ static hk_status segment_of(adjoint *w, size_t begin, size_t end) {
 /* By what forces and masses are, whatever steps. */
 static hk_status prepare_slopes(adjoint *w) {
   hk_dynamics *d = w->s->dynamics;
-  hk_status status = hk_force_slopes_open(&w->by_forces, d);
+  hk_status status = hk_force_slopes_open(&w->by_forces, d, NULL);
   w->chained = calloc(w->count + 1, sizeof *w->chained);
   if (status != HK_OK || !w->chained)
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for derivatives of forces");

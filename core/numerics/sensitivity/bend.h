@@ -2,6 +2,7 @@
 #ifndef HK_SENSITIVITY_BEND_H
 #define HK_SENSITIVITY_BEND_H
 
+#include "core/numerics/sensitivity/force_slopes.h"
 #include "core/numerics/sensitivity/sensitivity.h"
 
 /* A point of a stage, kept between the sweeps: 6n = 2v numbers of X, their derivatives V by all columns (rows), those
@@ -24,6 +25,7 @@ typedef struct hk_bend_pass {
   double *X, *one, *two;                              /* 2v each */
   double *H;
   double *memory;
+  hk_changes_plan plan;
   hk_bend_point *kept;
 } hk_bend_pass;
 

@@ -20,7 +20,7 @@ static hk_status slopes_at(hk_bend_pass *w, size_t k, const hk_bend_point *kept)
   memcpy(kept->X, p->X, 2 * v * sizeof *kept->X);
   hk_status status = !w->values ? hk_sensitivity_jacobian(s, p, kept->A) : hk_bend_survey(w, p, kept);
   for (size_t j = 0; j < w->controls && status == HK_OK; j++)
-    status = hk_sensitivity_by_parameter(s, p, &w->by[j], NULL, kept->B + j * v);
+    status = hk_changes_plan_slope(&w->plan, s, p, &w->by[j], j, kept->B + j * v);
   double *a = w->a[k], part = hk_bend_part(w, p->t);
   memset(a, 0, v * columns * sizeof *a);
   for (size_t i = 0; i < v; i++) {
@@ -177,6 +177,7 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *s, size_t first, size_t last,
   w.values = takes_values(s);
   hk_carried *Z = calloc(3 * v + 1, sizeof *Z);
   hk_status status = Z && reserve(&w, last - first) ? HK_OK : HK_NO_MEMORY;
+  if (status == HK_OK) status = hk_changes_plan_open(&w.plan, s, by, controls);
   if (status != HK_OK) {
     hk_error_set(error, status, "no memory for the second derivatives of %zu steps", last - first);
   } else {
@@ -194,6 +195,7 @@ hk_status hk_sensitivity_curvature(hk_sensitivity *s, size_t first, size_t last,
       for (size_t b = 0; b < c; b++) H[c * columns + b] = H[b * columns + c];
     }
   }
+  hk_changes_plan_close(&w.plan, s);
   free(w.memory);
   free(w.kept);
   free(Z);

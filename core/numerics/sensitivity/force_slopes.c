@@ -34,8 +34,9 @@ static size_t rows_of(const hk_instance *force) {
   return rows;
 }
 
-static bool is_covered(const hk_instance *force) {
-  return hk_force_of(force->plugin)->implicit.transposed && force->spec->timed_count == 0;
+static bool is_covered(const hk_instance *force, bool along) {
+  const hk_implicit_facet *f = &hk_force_of(force->plugin)->implicit;
+  return (along ? f->along != NULL : f->transposed != NULL) && force->spec->timed_count == 0;
 }
 
 static hk_status cover(hk_force_slopes *s, const hk_instance *force, size_t k) {
@@ -50,7 +51,7 @@ static hk_status cover(hk_force_slopes *s, const hk_instance *force, size_t k) {
   return HK_OK;
 }
 
-hk_status hk_force_slopes_open(hk_force_slopes *s, const hk_dynamics *d) {
+hk_status hk_force_slopes_open(hk_force_slopes *s, const hk_dynamics *d, const bool *exact) {
   size_t forces = d->split.forces;
   *s = (hk_force_slopes){.all = true,
                          .covers = calloc(forces + 1, sizeof *s->covers),
@@ -59,7 +60,7 @@ hk_status hk_force_slopes_open(hk_force_slopes *s, const hk_dynamics *d) {
   if (!s->covers || !s->force || !s->mass) return HK_NO_MEMORY;
   hk_status status = HK_OK;
   for (size_t k = 0; k < forces && status == HK_OK; k++) {
-    s->covers[k] = is_covered(force_at(d, k));
+    s->covers[k] = is_covered(force_at(d, k), exact) && (!exact || exact[k]);
     if (s->covers[k]) status = cover(s, force_at(d, k), k);
     s->any |= s->covers[k];
     s->all &= s->covers[k];
@@ -250,4 +251,73 @@ double hk_force_slopes_by(const hk_force_slopes *s, const hk_dynamics *d, const 
   for (size_t i = 0; i < model->n; i++)
     if (model->inverse_mass[i] > 0) sum += s->mass[i] * (more->mass[i] - less->mass[i]);
   return sum / (2 * by->by);
+}
+
+/* ---- as directions ---- */
+
+/* The changes of a row's numbers by one of the parameter; whether any is not 0. */
+static bool row_along(const hk_param *p, size_t count, const void *more, const void *less, double by, double *to) {
+  const double *a = hk_param_in(p, more), *b = hk_param_in(p, less);
+  size_t more_apart = 1, less_apart = 1;
+  bool any = false;
+  if (hk_param_type(p) == HK_PER_TUPLE) {
+    const hk_per_tuple *x = hk_param_in(p, more), *y = hk_param_in(p, less);
+    if (x->count == 0) return false; /* and neither has y: the parameter fits */
+    a = x->value, b = y->value;
+    more_apart = x->count > 1, less_apart = y->count > 1;
+  }
+  for (size_t e = 0; e < count; e++) {
+    double of_a = a[e * more_apart], of_b = b[e * less_apart];
+    bool same = of_a == of_b || (isnan(of_a) && isnan(of_b));
+    to[e] = same ? 0 : (of_a - of_b) / (2 * by);
+    any |= !same;
+  }
+  return any;
+}
+
+static size_t numbers_of_all(const hk_force_slopes *s, const hk_dynamics *d, size_t *rows) {
+  size_t numbers = 0;
+  *rows = 0;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    const hk_instance *force = force_at(d, k);
+    size_t own = s->covers[k] ? rows_of(force) : 0;
+    for (size_t r = 0; r < own; r++) numbers += numbers_of(force, &force->plugin->params[r]);
+    *rows += own;
+  }
+  return numbers;
+}
+
+hk_status hk_force_changes_open(hk_force_changes *c, const hk_force_slopes *s, const hk_dynamics *d,
+                                const hk_varied *by) {
+  const hk_model *model = &d->state->model, *more = &by->more->state->model, *less = &by->less->state->model;
+  size_t rows, n = model->n, numbers = numbers_of_all(s, d, &rows);
+  c->memory = calloc(numbers + n + 1, sizeof *c->memory);
+  c->force = calloc(d->split.forces + 1, sizeof *c->force);
+  if (!c->memory || !c->force) return HK_NO_MEMORY;
+  double *at = c->memory + n;
+  for (size_t k = 0; k < d->split.forces; k++) {
+    const hk_instance *force = force_at(d, k);
+    size_t own = s->covers[k] ? rows_of(force) : 0;
+    if (s->covers[k] && !(c->force[k] = calloc(own + 1, sizeof **c->force))) return HK_NO_MEMORY;
+    for (size_t r = 0; r < own; r++) {
+      const hk_param *p = &force->plugin->params[r];
+      size_t count = numbers_of(force, p);
+      if (count && row_along(p, count, force_at(by->more, k)->self, force_at(by->less, k)->self, by->by, at))
+        c->force[k][r] = at;
+      at += count;
+    }
+  }
+  for (size_t i = 0; i < n; i++)
+    if (model->inverse_mass[i] > 0 && more->mass[i] != less->mass[i]) {
+      c->memory[i] = (more->mass[i] - less->mass[i]) / (2 * by->by);
+      c->mass = c->memory;
+    }
+  return HK_OK;
+}
+
+void hk_force_changes_close(hk_force_changes *c, const hk_dynamics *d) {
+  for (size_t k = 0; c->force && k < d->split.forces; k++) free(c->force[k]);
+  free(c->force);
+  free(c->memory);
+  *c = (hk_force_changes){0};
 }

@@ -173,9 +173,10 @@ hk_status hk_implicit_stage_linearise(hk_sensitivity *s, const hk_taken_step *st
 /* ---- its solution ---- */
 
 static double dot(const double *a, const double *b, size_t count) {
-  double sum = 0;
-  for (size_t e = 0; e < count; e++) sum += a[e] * b[e];
-  return sum;
+  double sum[3] = {0}; /* side by side: a sum of its own waits for each addition */
+  for (size_t e = 0; e < count; e += 3)
+    for (size_t c = 0; c < 3; c++) sum[c] += a[e + c] * b[e + c];
+  return sum[0] + sum[1] + sum[2];
 }
 
 /* The rotations of the least squares problem, and its right-hand side. */

@@ -25,10 +25,15 @@ static void take_only(hk_sensitivity *s, bool exact) {
   for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = s->exact[k] == exact;
 }
 
-/* Whether the force's product with its transposed Jacobian is that with its Jacobian. */
+/* Whether the force gives its changes along directions, or its product with its transposed Jacobian is that with its
+ * Jacobian. */
+static bool goes_along(const hk_sensitivity *s, size_t k) {
+  return s->exact[k] && tables_at(s->dynamics, k)->implicit.along;
+}
+
 static bool multiplies(const hk_sensitivity *s, size_t k) {
   const hk_force_tables *f = tables_at(s->dynamics, k);
-  return s->exact[k] && f->implicit.transposed && f->own.flags & HK_SYMMETRIC_JACOBIAN;
+  return s->exact[k] && !f->implicit.along && f->implicit.transposed && f->own.flags & HK_SYMMETRIC_JACOBIAN;
 }
 
 /* Of the forces with exact Jacobians, but for those that multiply themselves where these are left `out`. *any: there
@@ -39,7 +44,7 @@ static hk_status blocks(hk_sensitivity *s, const hk_stage_point *p, bool out, hk
   take_only(s, true);
   *any = !out;
   for (size_t k = 0; k < d->split.forces; k++) {
-    d->takes[k] = d->takes[k] && !(out && multiplies(s, k));
+    d->takes[k] = d->takes[k] && !(out && (multiplies(s, k) || goes_along(s, k)));
     *any |= d->takes[k] && tables_at(d, k)->own.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
   }
   if (*any) status = hk_jacobian_assemble(&d->system, p->t, p->X, 0, K, D);
@@ -93,6 +98,36 @@ static hk_status multiply(hk_sensitivity *s, const hk_stage_point *p, const doub
   return status;
 }
 
+/* Of so many changes at a time. */
+enum { FEW_CHANGES = 12 };
+
+/* a += the changes of the forces that give them, in N. */
+static hk_status add_along(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart, const double *dX,
+                           const hk_force_changes *by, double *a) {
+  hk_dynamics *d = s->dynamics;
+  hk_tangent along[FEW_CHANGES];
+  hk_status status = hk_dynamics_set_time(d, p->t);
+  for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
+    hk_instance *one = d->plugins->kind[HK_FORCE].item[k];
+    if (!goes_along(s, k) || !d->force_acts[k]) continue;
+    for (size_t j = 0; j < count; j++) {
+      const double *x = dX + j * apart;
+      along[j] = (hk_tangent){x, x + 3 * s->n, by && by[j].force ? by[j].force[k] : NULL, by ? by[j].mass : NULL,
+                              a + j * apart};
+    }
+    const hk_view view = hk_force_view_at(d, k, p->t, p->X, s->n);
+    const hk_instance *outer = hk_enter(one);
+    status = tables_at(d, k)->implicit.along(one->self, &view, along, count);
+    status = hk_leave_with(one, outer, "along", status);
+  }
+  return status;
+}
+
+/* a -= dm/dp a, in N, of the acceleration at the point. */
+static void add_masses(const hk_sensitivity *s, const hk_stage_point *p, const hk_force_changes *by, double *a) {
+  for (size_t e = 0; by && by->mass && e < 3 * s->n; e++) a[e] -= by->mass[e / 3] * p->a[e];
+}
+
 /* The largest distance of a coordinate from the first particle's, or the largest speed. */
 static double size_of(const double *x, size_t count, bool places) {
   double most = 0;
@@ -126,23 +161,26 @@ static hk_status add_differences(hk_sensitivity *s, const hk_stage_point *p, con
   return status;
 }
 
-/* Of more changes than these, blocks that are made once are cheaper than a product for each, which takes about as long
- * as the force, a third of its blocks or less. */
-enum { FEW_CHANGES = 12 };
-
+/* Of more changes than FEW_CHANGES, blocks that are made once are cheaper than a product for each, which takes about as
+ * long as the force, a third of its blocks or less. */
 hk_status hk_sensitivity_products(hk_sensitivity *s, const hk_stage_point *p, size_t count, size_t apart,
-                                  const double *dX, double *a) {
+                                  const double *dX, const hk_force_changes *by, double *a) {
+  const hk_model *model = &s->dynamics->state->model;
   hk_matrix K, D;
-  bool few = count <= FEW_CHANGES, any;
+  bool few = count <= FEW_CHANGES || by, any;
   hk_status status = blocks(s, p, few, &K, &D, &any);
   for (size_t j = 0; j < count; j++) memset(a + j * apart, 0, 3 * s->n * sizeof *a);
   if (any && status == HK_OK) add_blocks(s, &K, &D, count, apart, dX, a);
+  for (size_t j = 0; j < count && few && status == HK_OK; j += FEW_CHANGES)
+    status = add_along(s, p, count - j < FEW_CHANGES ? count - j : FEW_CHANGES, apart, dX + j * apart,
+                       by ? by + j : NULL, a + j * apart);
   for (size_t j = 0; j < count && status == HK_OK; j++) {
     const double *change = dX + j * apart;
     double *to = a + j * apart;
     if (few) status = multiply(s, p, change, to);
+    add_masses(s, p, by ? by + j : NULL, to);
     hk_sensitivity_divide(s, to);
-    hk_riders_follow(&s->dynamics->state->model, to);
+    hk_riders_follow(model, to);
     if (!s->all_exact && status == HK_OK) status = add_differences(s, p, change, to);
   }
   return status;

@@ -239,12 +239,13 @@ static hk_status reserve_tape(hk_sensitivity *s, size_t stride) {
   return s->kept && s->tape ? HK_OK : HK_NO_MEMORY;
 }
 
-/* Whether a step, taken with its points on new memory, costs more than to keep these in memory: about 0.3 ns a byte
+/* Whether a step, taken with its points on new memory, costs more than to keep these in memory: about 0.5 ns a byte
  * where it is new, which is in the seconds, and as much as that and some once more to write and to fetch them beyond
  * the cache. What it decides changes no result. */
 static bool is_dear(const hk_sensitivity *s, double seconds) {
+  size_t carried = s->method->carries ? 9 * s->n : 0; /* a first stage whose points are not written */
   double all = (double)s->steps * (double)s->each * sizeof(double);
-  return all <= HK_TAPE_WHOLE && seconds > 0.8e-9 * (double)s->each * sizeof(double);
+  return all <= HK_TAPE_WHOLE && seconds > 1.2e-9 * (double)(s->each - carried) * sizeof(double);
 }
 
 /* From the first step on; where steps of the first segment are found to be dear, once more, and all points are kept. */

@@ -60,6 +60,24 @@ hk_status hk_sensitivity_step(hk_sensitivity *s, const hk_taken_step *step, hk_c
   return hk_dynamics_impose(s->dynamics, step->t + step->h, Z, Z + v);
 }
 
+/* Linear steps leave their factors as well, and steps with constraints more than their points. */
+static bool is_taped(const hk_sensitivity *s, size_t step) {
+  return !s->projection && !s->linearised && step >= s->first && step - s->first < s->taped;
+}
+
+hk_status hk_sensitivity_repeat(hk_sensitivity *s, size_t step, hk_carried *Z) {
+  const hk_taken_step *taken = &s->step[step];
+  double *a[HK_MOST_STAGES];
+  if (!is_taped(s, step)) {
+    hk_sensitivity_untape(s);
+    return hk_sensitivity_step(s, taken, Z);
+  }
+  hk_sensitivity_rewind(s, step);
+  for (size_t k = 0; k < s->stages; k++) a[k] = hk_sensitivity_evaluates(s, taken, k) ? s->point[k].a : Z + 6 * s->n;
+  hk_sensitivity_arrive(s, taken, a, Z);
+  return hk_dynamics_impose(s->dynamics, taken->t + taken->h, Z, Z + 3 * s->n);
+}
+
 hk_status hk_sensitivity_replay(hk_sensitivity *s, hk_dynamics *beside, double *X) {
   hk_dynamics *own = s->dynamics;
   hk_implicit_stage *of_own = s->implicit; /* whose factors are those of its own solver */

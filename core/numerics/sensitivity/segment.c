@@ -1,6 +1,7 @@
 /* The steps between two knots as a map of its own: from any state, not that of the run, with its derivatives by that
  * state and by the values of functions of time at the knots. What transcription makes its equations of (Bock and Plitt
  * 1984). */
+#include "core/numerics/sensitivity/force_slopes.h"
 #include "core/numerics/sensitivity/implicit_stage.h"
 #include "core/numerics/sensitivity/projection.h"
 
@@ -14,6 +15,7 @@ typedef struct segment {
       apart;         /* 6n of the state, then two of every function of time; hk_sensitivity.wide numbers each */
   double begin, end; /* s, of the knots */
   double *dZ, *stage, *a[HK_MOST_STAGES], *own;
+  hk_changes_plan plan;
 } segment;
 
 static void accelerations_of(const segment *w, size_t column, double *a[HK_MOST_STAGES]) {
@@ -28,7 +30,7 @@ static hk_status add_controls(segment *w, size_t k) {
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->controls && status == HK_OK; j++) {
     double *first = w->a[k] + (2 * v + 2 * j) * w->apart, *second = first + w->apart;
-    status = hk_sensitivity_by_parameter(w->s, p, &w->by[j], NULL, w->own);
+    status = hk_changes_plan_slope(&w->plan, w->s, p, &w->by[j], j, w->own);
     for (size_t e = 0; e < v; e++) {
       first[e] += (1 - part) * w->own[e];
       second[e] += part * w->own[e];
@@ -39,7 +41,7 @@ static hk_status add_controls(segment *w, size_t k) {
 
 /* The changes of the accelerations of stage k at the point that `stage` changes. */
 static hk_status changes_of(segment *w, size_t k) {
-  hk_status status = hk_sensitivity_products(w->s, &w->s->point[k], w->columns, w->apart, w->stage, w->a[k]);
+  hk_status status = hk_sensitivity_products(w->s, &w->s->point[k], w->columns, w->apart, w->stage, NULL, w->a[k]);
   return status == HK_OK ? add_controls(w, k) : status;
 }
 
@@ -133,7 +135,11 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
                         "a linear step goes on from the linearisation before, which transcription has no unknowns for: "
                         "take --way shooting, or another method, with --integrator");
   double *memory = calloc(size + (2 + s->stages) * columns * size + v + 1, sizeof *memory);
-  if (!memory) return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
+  if (!memory || hk_changes_plan_open(&w.plan, s, by, columns ? controls : 0) != HK_OK) {
+    hk_changes_plan_close(&w.plan, s);
+    free(memory);
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
+  }
   double *Z = memory;
   w.dZ = Z + size;
   w.stage = w.dZ + columns * size;
@@ -147,6 +153,7 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
   hk_status status = all_steps(&w, first, last, Z);
   memcpy(X, Z, 2 * v * sizeof *X);
   for (size_t j = 0; j < columns; j++) memcpy(J + j * 2 * v, w.dZ + j * size, 2 * v * sizeof *J);
+  hk_changes_plan_close(&w.plan, s);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;

@@ -165,6 +165,8 @@ void hk_knots_note(const hk_knots *, double t, double slope);
 
 /* Takes the steps first to last - 1 from Z to Z, and has their points on the tape, which has room for `stride`. */
 hk_status hk_sensitivity_record(hk_sensitivity *, size_t first, size_t last, hk_carried *Z);
+/* Takes step i from Z to Z once more, by its points where they are on the tape. */
+hk_status hk_sensitivity_repeat(hk_sensitivity *, size_t step, hk_carried *Z);
 /* The points of a step that is on the tape. */
 void hk_sensitivity_rewind(hk_sensitivity *, size_t step);
 /* Points are no longer those of the tape. */
@@ -192,9 +194,11 @@ hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a)
 
 /* m/s^2 of N, and what pins leave of it; of riders nothing. */
 void hk_sensitivity_divide(const hk_sensitivity *, double *a);
-/* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). */
+/* a = (da/dx) dx + (da/dv) dv of count changes (6n each, `apart` numbers from each other; a: 3n, likewise). by: of each
+ * what changes beside in the forces that it covers, and the masses; NULL: nothing. */
+typedef struct hk_force_changes hk_force_changes; /* force_slopes.h */
 hk_status hk_sensitivity_products(hk_sensitivity *, const hk_stage_point *, size_t count, size_t apart,
-                                  const double *dX, double *a);
+                                  const double *dX, const hk_force_changes *by, double *a);
 /* A: da/dx and da/dv, 3n rows of 6n numbers. */
 hk_status hk_sensitivity_jacobian(hk_sensitivity *, const hk_stage_point *, double *A);
 /* dX = (da/dx, da/dv)^T u: 6n numbers of 3n. Adds to the slopes, if there are any, the derivatives of u.a by them. Of

@@ -11,11 +11,6 @@ bool hk_sensitivity_evaluates(const hk_sensitivity *s, const hk_taken_step *step
   return k > 0 || step->fresh || !hk_sensitivity_method(s, step)->carries;
 }
 
-/* x* or v*: number e of what is carried. */
-static inline double from(const hk_stages_facet *m, const hk_carried *Z, size_t v, size_t e) {
-  return m->back == 0 ? Z[e] : Z[e] + m->back * (Z[e] - Z[3 * v + e]);
-}
-
 hk_status hk_sensitivity_evaluate(hk_dynamics *d, double t, double *X, double *a) {
   double power; /* scenes with channels are refused: the work is all that X has beside x and v */
   size_t v = 3 * d->system.n;
@@ -26,20 +21,32 @@ hk_status hk_sensitivity_evaluate(hk_dynamics *d, double t, double *X, double *a
   return status;
 }
 
+/* x* and v* of what is carried. */
+static void from(const hk_stages_facet *m, const hk_carried *restrict Z, size_t v, double *restrict X) {
+  const double back = m->back;
+  const hk_carried *before = Z + 3 * v;
+  if (back == 0)
+    memcpy(X, Z, 2 * v * sizeof *X);
+  else
+    for (size_t e = 0; e < 2 * v; e++) X[e] = Z[e] + back * (Z[e] - before[e]);
+}
+
+/* What coefficients that are 0 add would be 0. */
+static void add(double *restrict to, double part, const double *restrict a, size_t count) {
+  for (size_t e = 0; e < count && part != 0; e++) to[e] += part * a[e];
+}
+
 void hk_sensitivity_stage(const hk_sensitivity *s, const hk_taken_step *step, size_t k, const hk_carried *Z,
                           double *const a[HK_MOST_STAGES], double *X) {
   const hk_stages_facet *m = hk_sensitivity_method(s, step);
   const double h = step->h, ch = (m->c[k] - m->back) * h;
   size_t v = 3 * s->n;
-  for (size_t e = 0; e < v; e++) {
-    X[v + e] = from(m, Z, v, v + e);
-    X[e] = from(m, Z, v, e) + ch * X[v + e];
+  from(m, Z, v, X);
+  add(X, ch, X + v, v);
+  for (size_t j = 0; j < k; j++) {
+    add(X, h * h * m->x[k][j], a[j], v);
+    add(X + v, h * m->v[k][j], a[j], v);
   }
-  for (size_t j = 0; j < k; j++)
-    for (size_t e = 0; e < v; e++) {
-      X[e] += h * h * m->x[k][j] * a[j][e];
-      X[v + e] += h * m->v[k][j] * a[j][e];
-    }
 }
 
 void hk_sensitivity_arrive(const hk_sensitivity *s, const hk_taken_step *step, double *const a[HK_MOST_STAGES],
@@ -49,14 +56,14 @@ void hk_sensitivity_arrive(const hk_sensitivity *s, const hk_taken_step *step, d
   size_t v = 3 * s->n;
   for (size_t e = 0; e < 2 * v && s->wide > 3 * v; e++) {
     double before = Z[e];
-    Z[e] = from(m, Z, v, e);
+    if (m->back != 0) Z[e] += m->back * (before - Z[3 * v + e]);
     Z[3 * v + e] = before;
   }
-  for (size_t e = 0; e < v; e++) Z[e] += (1 - m->back) * h * Z[v + e];
-  for (size_t j = 0; j < m->count; j++)
-    for (size_t e = 0; e < v; e++) {
-      Z[e] += h * h * m->x_end[j] * a[j][e];
-      Z[v + e] += h * m->v_end[j] * a[j][e];
-    }
-  memcpy(Z + 2 * v, a[m->count - 1], v * sizeof *Z);
+  add(Z, (1 - m->back) * h, Z + v, v);
+  for (size_t j = 0; j < m->count; j++) {
+    add(Z, h * h * m->x_end[j], a[j], v);
+    add(Z + v, h * m->v_end[j], a[j], v);
+  }
+  const double *last = a[m->count - 1];
+  if (last != Z + 2 * v) memcpy(Z + 2 * v, last, v * sizeof *Z);
 }

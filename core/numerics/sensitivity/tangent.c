@@ -7,6 +7,73 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- what a parameter changes ---- */
+
+static bool *unmoved_by(const hk_changes_plan *p, size_t j) { return p->unmoved + j * p->forces; }
+
+/* What does not change is not compared: its difference is 0, but for rounding. */
+static hk_status find_unmoved(hk_changes_plan *p, const hk_dynamics *d, const hk_varied *by) {
+  hk_force_slopes forces;
+  p->forces = d->split.forces;
+  p->unmoved = calloc(p->count * (p->forces + 1) + 1, sizeof *p->unmoved);
+  if (!p->unmoved) return HK_NO_MEMORY;
+  hk_status status = hk_force_slopes_open(&forces, d, NULL);
+  p->none = p->unmoved + p->count * p->forces;
+  for (size_t j = 0; j < p->count && status == HK_OK; j++)
+    p->none[j] = hk_force_slopes_unmoved(&forces, &by[j], unmoved_by(p, j));
+  hk_force_slopes_close(&forces, d);
+  return status;
+}
+
+/* What the forces with `along` take along with the change of the state. */
+static hk_status find_changes(hk_changes_plan *p, const hk_sensitivity *s, const hk_varied *by) {
+  hk_force_slopes forces;
+  hk_status status = hk_force_slopes_open(&forces, s->dynamics, s->exact);
+  for (size_t j = 0; j < p->count && status == HK_OK; j++) {
+    bool *unmoved = unmoved_by(p, j);
+    if (p->none[j] || !hk_force_slopes_fit(&forces, s->dynamics, &by[j])) continue;
+    status = hk_force_changes_open(&p->changes[j], &forces, s->dynamics, &by[j]);
+    p->none[j] = !hk_varied_moves_pins(&by[j]);
+    for (size_t k = 0; k < p->forces; k++) {
+      unmoved[k] |= forces.covers[k];
+      p->none[j] &= unmoved[k];
+    }
+  }
+  hk_force_slopes_close(&forces, s->dynamics);
+  return status;
+}
+
+/* Linear steps compare matrices between scenes, whose rounding is that of the forces compared: what a stiff force's
+ * number makes of both is larger than what it makes of their sum. */
+hk_status hk_changes_plan_open(hk_changes_plan *p, const hk_sensitivity *s, const hk_varied *by, size_t count) {
+  *p = (hk_changes_plan){.count = count, .changes = calloc(count + 1, sizeof *p->changes)};
+  p->still = calloc(9 * s->n + 1, sizeof *p->still);
+  p->along = p->still ? p->still + 6 * s->n : NULL;
+  hk_status status = p->changes && p->still ? find_unmoved(p, s->dynamics, by) : HK_NO_MEMORY;
+  return status == HK_OK && !s->linearised ? find_changes(p, s, by) : status;
+}
+
+hk_status hk_changes_plan_slope(const hk_changes_plan *p, hk_sensitivity *s, const hk_stage_point *point,
+                                const hk_varied *by, size_t j, double *own) {
+  size_t v = 3 * s->n;
+  hk_status status = HK_OK;
+  memset(own, 0, v * sizeof *own);
+  if (!p->none[j]) status = hk_sensitivity_by_parameter(s, point, by, unmoved_by(p, j), own);
+  if (!p->changes[j].memory || status != HK_OK) return status;
+  status = hk_sensitivity_products(s, point, 1, 0, p->still, &p->changes[j], p->along);
+  for (size_t e = 0; e < v; e++) own[e] += p->along[e];
+  return status;
+}
+
+void hk_changes_plan_close(hk_changes_plan *p, const hk_sensitivity *s) {
+  for (size_t j = 0; p->changes && j < p->count; j++) hk_force_changes_close(&p->changes[j], s->dynamics);
+  free(p->changes);
+  free(p->unmoved);
+  free(p->still);
+}
+
+/* ---- through the steps ---- */
+
 typedef struct tangents {
   hk_sensitivity *s;
   const hk_varied *by;
@@ -15,8 +82,7 @@ typedef struct tangents {
   double *stage;             /* of every parameter: the change of the stage's x and v, unused, */
   double *a[HK_MOST_STAGES]; /* of every parameter, of which the first 3n are the change of the acceleration */
   double *own;               /* 3n, da/dp */
-  size_t forces;
-  bool *unmoved, *none; /* of every parameter: the forces that it does not change; whether it changes none */
+  hk_changes_plan plan;
   hk_projection_slopes *by_constraints;
 } tangents;
 
@@ -24,10 +90,10 @@ typedef struct tangents {
 static hk_status accelerations_of(tangents *w, size_t k) {
   hk_sensitivity *s = w->s;
   size_t v = 3 * s->n;
-  hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->a[k]);
+  hk_status status = hk_sensitivity_products(s, &s->point[k], w->count, w->apart, w->stage, w->plan.changes, w->a[k]);
   for (size_t j = 0; j < w->count && status == HK_OK; j++) {
-    if (w->none[j]) continue;
-    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], w->unmoved + j * w->forces, w->own);
+    if (w->plan.none[j]) continue;
+    status = hk_sensitivity_by_parameter(s, &s->point[k], &w->by[j], unmoved_by(&w->plan, j), w->own);
     for (size_t e = 0; e < v; e++) w->a[k][j * w->apart + e] += w->own[e];
   }
   return status;
@@ -39,8 +105,10 @@ static hk_status stage_of(tangents *w, const hk_taken_step *step, size_t k) {
   for (size_t j = 0; j < w->count; j++) {
     double *a[HK_MOST_STAGES], *dZ = w->dZ + j * w->apart;
     for (size_t i = 0; i < s->stages; i++) a[i] = w->a[i] + j * w->apart;
-    if (!hk_sensitivity_evaluates(s, step, k)) memcpy(a[k], dZ + 2 * v, v * sizeof *dZ);
-    hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
+    if (!hk_sensitivity_evaluates(s, step, k))
+      memcpy(a[k], dZ + 2 * v, v * sizeof *dZ);
+    else
+      hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
   }
   if (!hk_sensitivity_evaluates(s, step, k)) return HK_OK;
   hk_status status = accelerations_of(w, k);
@@ -82,9 +150,10 @@ static hk_status linear(tangents *w, const hk_taken_step *step) {
   return status;
 }
 
-static hk_status step_of(tangents *w, const hk_taken_step *step) {
+static hk_status step_of(tangents *w, size_t number) {
   hk_sensitivity *s = w->s;
-  hk_status status = hk_sensitivity_step(s, step, w->Z);
+  const hk_taken_step *step = &s->step[number];
+  hk_status status = hk_sensitivity_repeat(s, number, w->Z);
   if (s->projection) return status == HK_OK ? projected(w, step) : status;
   if (step->linear) return status == HK_OK ? linear(w, step) : status;
   for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK; k++) status = stage_of(w, step, k);
@@ -102,25 +171,10 @@ static hk_status all_steps(tangents *w, hk_sensitivity_watch *watch, void *conte
   for (size_t j = 0; j < w->count; j++) hk_sensitivity_start(&w->by[j], s->n, w->dZ + j * w->apart);
   hk_status status = watch && s->steps ? watch(context, s->step[0].t, w->Z, w->dZ) : HK_OK;
   for (size_t k = 0; k < s->steps && status == HK_OK; k++) {
-    status = step_of(w, &s->step[k]);
+    status = step_of(w, k);
     double t = k + 1 < s->steps ? s->step[k + 1].t : s->loop->state->t;
     if (status == HK_OK && watch) status = watch(context, t, w->Z, w->dZ);
   }
-  return status;
-}
-
-/* What does not change is not compared: its difference is 0, but for rounding. */
-static hk_status find_unmoved(tangents *w) {
-  hk_dynamics *d = w->s->dynamics;
-  hk_force_slopes forces;
-  w->forces = d->split.forces;
-  w->unmoved = calloc(w->count * (w->forces + 1) + 1, sizeof *w->unmoved);
-  hk_status status = w->unmoved ? hk_force_slopes_open(&forces, d) : HK_NO_MEMORY;
-  if (!w->unmoved) return status;
-  w->none = w->unmoved + w->count * w->forces;
-  for (size_t j = 0; j < w->count && status == HK_OK; j++)
-    w->none[j] = hk_force_slopes_unmoved(&forces, &w->by[j], w->unmoved + j * w->forces);
-  hk_force_slopes_close(&forces, d);
   return status;
 }
 
@@ -129,9 +183,9 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t
   tangents w = {.s = s, .by = by, .count = count, .apart = s->wide};
   size_t all = w.apart * count;
   double *memory = calloc(w.apart + (2 + s->stages) * all + 3 * s->n, sizeof *memory);
-  if (!memory || find_unmoved(&w) != HK_OK) {
+  if (!memory || hk_changes_plan_open(&w.plan, s, by, count) != HK_OK) {
     free(memory);
-    free(w.unmoved);
+    hk_changes_plan_close(&w.plan, s);
     return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu tangents", count);
   }
   w.Z = memory;
@@ -143,7 +197,7 @@ hk_status hk_sensitivity_tangents(hk_sensitivity *s, const hk_varied *by, size_t
   hk_status status = s->projection ? hk_projection_vary(s, by, count, &w.by_constraints, error) : HK_OK;
   if (status == HK_OK) status = all_steps(&w, watch, context);
   free(w.by_constraints);
-  free(w.unmoved);
+  hk_changes_plan_close(&w.plan, s);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);
   return status;

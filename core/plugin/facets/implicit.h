@@ -63,6 +63,16 @@ typedef struct hk_bilinear {
   double *by_linearised, *by_reached; /* n x 3: the derivatives by these are added, where they are given */
 } hk_bilinear;
 
+/* A direction in what a force depends on, per unit of a parameter, and the change of the force along it. */
+typedef struct hk_tangent {
+  const double *x, *v; /* n x 3: the changes of positions and velocities */
+  /* NULL: no parameter changes. Otherwise one list for each row of hk_plugin.params, as hk_transposed has them: the
+   * changes of that number, of the three of a vector, or of that of each tuple. NULL for rows that do not change. */
+  const double *const *parameter;
+  const double *mass; /* n; NULL: masses do not change */
+  double *force;      /* n x 3, N: dF/dx x + dF/dv v + dF/dp parameter + dF/dm mass is added */
+} hk_tangent;
+
 /* `pattern` and `jacobian` are required. A constant force names no blocks. With explicit methods the host may ask for
  * the blocks of a force without elements and without `update` for some of its particles alone, by their view, and for
  * `jacobian` after it. */
@@ -83,6 +93,11 @@ typedef struct hk_implicit_facet {
    * the blocks by x, v and the parameters. Needed where the blocks are not those of -dF/dx and -dF/dv with every `want`
    * and whatever was foretold; NULL: they are, or the adjoint is refused where they are not. */
   hk_status (*bilinear)(void *self, const hk_view *view, const hk_bilinear *form, const hk_transposed *into);
+  /* For tangents, since 3.5: the changes along `count` directions, each in about the time of `add`, exact as those of
+   * `transposed`, beside which it is given: u.along(w) = transposed(u).w, and what that says of parameters holds for
+   * it. NULL: the host takes `transposed` where that is symmetric, the blocks otherwise, and differences by parameters.
+   */
+  hk_status (*along)(void *self, const hk_view *view, const hk_tangent *directions, size_t count);
 } hk_implicit_facet;
 
 #endif

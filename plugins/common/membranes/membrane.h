@@ -106,6 +106,10 @@ void hk_membrane_blocks(const hk_membrane *, const hk_view *view, const hk_block
 void hk_membrane_transposed(const hk_membrane *, const hk_view *view, const hk_membrane_params *given, const double *u,
                             const hk_transposed *into, double *const row[5]);
 
+/* As hk_implicit_facet.along; `row` is that of `stiffness`, from which the others follow. */
+void hk_membrane_along(const hk_membrane *, const hk_view *view, const hk_membrane_params *given, size_t row,
+                       const hk_tangent *directions, size_t count);
+
 /* membrane_bound.c: as hk_force.stiffness_bound. */
 void hk_membrane_bound(const hk_membrane *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 

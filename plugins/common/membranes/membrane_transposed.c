@@ -1,12 +1,15 @@
-/* Products of a membrane for adjoints. With U and R the deformations of u and of the velocities, as f of positions,
- * u.F = -(S : e(U)) of a triangle, e(U) = (f_u.U_u, f_v.U_v, f_u.U_v + f_v.U_u), S the elastic and the viscous stress
- * (membrane_model.h). Its derivative by x is the load of
- *     dS(U) f + S U + S' R,      S' = the viscous stress of the rate e(U),
- * and that by v the load of S' f, where dS(U) is the derivative of the elastic stress along U; in baraff_witkin the
- * viscosity has the lengths beside, 1/a and 1/b. S is linear in the elasticity, and that is a function of the moduli.
- * Blocks of triangles are gathered, computed in loops that compilers turn into vectors, and scattered one after the
- * other, as in membrane_kernel.c. */
+/* Products of a membrane for adjoints and tangents. With U and R the deformations of u and of the velocities, as f of
+ * positions, u.F = -(S : e(U)) of a triangle, e(U) = (f_u.U_u, f_v.U_v, f_u.U_v + f_v.U_u), S the elastic and the
+ * viscous stress (membrane_model.h). Its derivative by x is the load of dS(U) f + S U + S' R,      S' = the viscous
+ * stress of the rate e(U), and that by v the load of S' f, where dS(U) is the derivative of the elastic stress along U;
+ * in baraff_witkin the viscosity has the lengths beside, 1/a and 1/b. S is linear in the elasticity, and that is a
+ * function of the moduli. Forwards, with U and Q the deformations of the changes of positions and velocities, S f
+ * changes by dS f + S U, where dS is dS(U), the viscous stress of the change (f.Q + U.R) of the rate, and both stresses
+ * of the change of the elasticity. Blocks of triangles are gathered, computed in loops that compilers turn into
+ * vectors, and scattered one after the other, as in membrane_kernel.c. */
 #include "plugins/common/membranes/membrane_lane.h"
+
+#include <string.h>
 
 typedef struct block {
   double d[2][3][BLOCK], w[2][3][BLOCK], v[2][3][BLOCK]; /* sides, m; differences of u; rates, m/s */
@@ -16,6 +19,8 @@ typedef struct block {
   /* -u.F by the elasticity, of the elastic stress and the viscous one for a damping of 1 s, times a number each; that
    * for the elasticity as it is; and by W', over c66. */
   double part[4][BLOCK], creep[BLOCK], by_slope[BLOCK];
+  /* Forwards: differences of the change of velocities, and the changes of the elasticity and of W'. */
+  double y[2][3][BLOCK], change[4][BLOCK], slope_change[BLOCK];
 } block;
 
 /* dS(U): the metric changes by 2 e.a, 2 e.b and e.c; il and jl: 1/|f_u|, 1/|f_v|. */
@@ -106,6 +111,65 @@ HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, bool ra
     rates ? compute(q, HK_NEO_HOOKEAN, true, damping) : compute(q, HK_NEO_HOOKEAN, false, 0);
 }
 
+/* The change of the viscosity, by the lengths, the elasticity and the damping. */
+HK_MEMBRANE_INLINE hk_elasticity viscosity_change(hk_membrane_model model, hk_elasticity m, hk_elasticity dm,
+                                                  hk_metric g, hk_metric e, double il, double jl, double damping,
+                                                  double more) {
+  hk_elasticity of = hk_membrane_viscosity(model, m, g, damping), by_m = hk_membrane_viscosity(model, dm, g, damping),
+                by_damping = hk_membrane_viscosity(model, m, g, more);
+  double a = model == HK_BARAFF_WITKIN && g.a > HK_MEMBRANE_TINY ? -2 * il * il * e.a : 0;
+  double b = model == HK_BARAFF_WITKIN && g.b > HK_MEMBRANE_TINY ? -2 * jl * jl * e.b : 0;
+  return (hk_elasticity){of.c11 * a + by_m.c11 + by_damping.c11, of.c22 * b + by_m.c22 + by_damping.c22,
+                         by_m.c12 + by_damping.c12, by_m.c66 + by_damping.c66};
+}
+
+HK_MEMBRANE_INLINE hk_stress sum_of(hk_stress a, hk_stress b) {
+  return (hk_stress){a.uu + b.uu, a.vv + b.vv, a.uv + b.uv};
+}
+
+/* The change of the force, in x_to. */
+HK_MEMBRANE_INLINE void change(block *q, hk_membrane_model model, bool rates, double damping, double more) {
+  for (int r = 0; r < BLOCK; r++) {
+    const hk_elasticity m = {q->number[HK_C11][r], q->number[HK_C22][r], q->number[HK_C12][r], q->number[HK_C66][r]},
+                        dm = {q->change[0][r], q->change[1][r], q->change[2][r], q->change[3][r]};
+    deformation f = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->d, r),
+                U = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->w, r);
+    deformation T = {{0, 0, 0}, {0, 0, 0}};
+    hk_metric g = metric(&f), e = rate_of(&f, &U);
+    double il = model == HK_BARAFF_WITKIN ? hk_inverse_length(g.a) : 1,
+           jl = model == HK_BARAFF_WITKIN ? hk_inverse_length(g.b) : 1;
+    hk_stress S = hk_membrane_stress(model, m, g, q->first[r]);
+    hk_stress dS = sum_of(change_of(model, m, g, e, il, jl, q->first[r], q->second[r]),
+                          hk_membrane_stress(model, dm, g, q->first[r]));
+    if (model == HK_NEO_HOOKEAN) {
+      double swell = m.c66 * q->slope_change[r];
+      dS = sum_of(dS, (hk_stress){swell * g.b, swell * g.a, -swell * g.c});
+    }
+    if (rates) {
+      deformation R = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->v, r),
+                  Q = deform((const double(*)[BLOCK])q->number, (const double(*)[3][BLOCK])q->y, r);
+      hk_metric rate = rate_of(&f, &R), by_v = rate_of(&f, &Q), by_x = rate_of(&U, &R);
+      hk_metric turn = {by_v.a + by_x.a, by_v.b + by_x.b, by_v.c + by_x.c};
+      hk_elasticity viscosity = hk_membrane_viscosity(model, m, g, damping);
+      S = sum_of(S, hk_membrane_drag(viscosity, rate));
+      dS = sum_of(dS, hk_membrane_drag(viscosity, turn));
+      dS = sum_of(dS, hk_membrane_drag(viscosity_change(model, m, dm, g, e, il, jl, damping, more), rate));
+    }
+    add_stress(dS, &f, &T);
+    add_stress(S, &U, &T);
+    set_load(q, &T, r, q->x_to);
+  }
+}
+
+HK_MEMBRANE_INLINE void change_model(block *q, hk_membrane_model model, bool rates, double damping, double more) {
+  if (model == HK_BARAFF_WITKIN)
+    rates ? change(q, HK_BARAFF_WITKIN, true, damping, more) : change(q, HK_BARAFF_WITKIN, false, 0, 0);
+  else if (model == HK_STVK)
+    rates ? change(q, HK_STVK, true, damping, more) : change(q, HK_STVK, false, 0, 0);
+  else
+    rates ? change(q, HK_NEO_HOOKEAN, true, damping, more) : change(q, HK_NEO_HOOKEAN, false, 0, 0);
+}
+
 /* t, in the place of W'. */
 HK_MEMBRANE_INLINE void volumes(block *q) {
   for (int r = 0; r < BLOCK; r++) {
@@ -118,6 +182,8 @@ HK_MEMBRANE_INLINE void volumes(block *q) {
 HK_VERSIONS(static void, volumes_of, (block * q), volumes(q))
 HK_VERSIONS(static void, compute_many, (block * q, hk_membrane_model model, bool rates, double damping),
             compute_model(q, model, rates, damping))
+HK_VERSIONS(static void, change_many, (block * q, hk_membrane_model model, bool rates, double damping, double more),
+            change_model(q, model, rates, damping, more))
 
 /* ---- by parameters ----------------------------------------------------------------------------------------------- */
 
@@ -163,10 +229,13 @@ static changes changes_of(const hk_membrane_params *p, size_t t) {
   return (changes){elasticity_by(of, by_u), elasticity_by(of, by_v), elasticity_by(of, by_nu)};
 }
 
+/* Whether a number for all triangles stands for each of them. */
+static bool has_one(const hk_membrane_params *p) { return p->stiffness.count <= 1 && p->weft.count <= 1; }
+
 static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const block *q, const double *t, size_t begin,
                        size_t count, double *const row[5]) {
   bool weft = p->weft.count, shear = p->shear.count;
-  bool one = p->stiffness.count <= 1 && p->weft.count <= 1; /* number for all triangles */
+  bool one = has_one(p);
   changes by = changes_of(p, m->number[begin]);
   for (size_t r = 0; r < count; r++) {
     size_t start = m->number[begin + r], at = p->triangles.count ? start : 0;
@@ -181,6 +250,40 @@ static void add_slopes(const hk_membrane *m, const hk_membrane_params *p, const 
     if (m->model != HK_NEO_HOOKEAN) continue;
     double by_n = slope_by_exponent(t[r], m->exponent) / ((1 - p->nu) * (1 - p->nu));
     row[BY_NU][0] -= q->number[HK_C66][r] * by_n * q->by_slope[r];
+  }
+}
+
+static double part_of(const double *list, size_t at) { return list ? list[at] : 0; }
+
+/* Of the elasticity per area, with the parameters. */
+static hk_elasticity elasticity_along(const hk_membrane_params *p, changes by, size_t start,
+                                      const double *const row[5]) {
+  size_t at = p->triangles.count ? start : 0;
+  double u = part_of(row[BY_STIFFNESS], at), nu = part_of(row[BY_NU], 0),
+         v = p->weft.count ? part_of(row[BY_WEFT], at) : 0, shear = p->shear.count ? part_of(row[BY_SHEAR], at) : 0;
+  return (hk_elasticity){u * by.by_u.c11 + v * by.by_v.c11 + nu * by.by_nu.c11,
+                         u * by.by_u.c22 + v * by.by_v.c22 + nu * by.by_nu.c22,
+                         u * by.by_u.c12 + v * by.by_v.c12 + nu * by.by_nu.c12,
+                         u * by.by_u.c66 + v * by.by_v.c66 + nu * by.by_nu.c66 + shear};
+}
+
+static void take_changes(const hk_membrane *m, const hk_membrane_params *p, const double *t, size_t begin, size_t count,
+                         const double *const row[5], block *q) {
+  double nu = row ? part_of(row[BY_NU], 0) : 0;
+  memset(q->change, 0, sizeof q->change);
+  memset(q->slope_change, 0, sizeof q->slope_change);
+  if (!row || (!row[BY_STIFFNESS] && !row[BY_WEFT] && !row[BY_SHEAR] && !row[BY_NU])) return;
+  bool one = has_one(p);
+  changes of = changes_of(p, m->number[begin]);
+  for (size_t r = 0; r < count; r++) {
+    double B = q->number[HK_B0][r] * q->number[HK_B3][r] - q->number[HK_B1][r] * q->number[HK_B2][r];
+    double area = 0.5 / fabs(B);
+    if (!one) of = changes_of(p, m->number[begin + r]);
+    const hk_elasticity by = elasticity_along(p, of, m->number[begin + r], row);
+    q->change[0][r] = area * by.c11, q->change[1][r] = area * by.c22;
+    q->change[2][r] = area * by.c12, q->change[3][r] = area * by.c66;
+    if (m->model == HK_NEO_HOOKEAN && nu != 0)
+      q->slope_change[r] = nu * slope_by_exponent(t[r], m->exponent) / ((1 - p->nu) * (1 - p->nu));
   }
 }
 
@@ -238,5 +341,29 @@ void hk_membrane_transposed(const hk_membrane *m, const hk_view *view, const hk_
     scatter(&m->node, (const double(*)[3][BLOCK])q.x_to, k, count, into->x);
     if (m->damping > 0) scatter(&m->node, (const double(*)[3][BLOCK])q.v_to, k, count, into->v);
     if (row) add_slopes(m, given, &q, t, k, count, row);
+  }
+}
+
+void hk_membrane_along(const hk_membrane *m, const hk_view *view, const hk_membrane_params *given, size_t row,
+                       const hk_tangent *directions, size_t count_directions) {
+  bool rates = m->damping > 0;
+  double t[BLOCK] = {0};
+  block q = {.first = {0}, .second = {0}};
+  for (size_t j = 0; j < count_directions; j++)
+    rates = rates || (directions[j].parameter && directions[j].parameter[row + BY_DAMPING]);
+  for (size_t k = 0; k < m->node.count; k += BLOCK) {
+    size_t count = m->node.count - k < BLOCK ? m->node.count - k : BLOCK;
+    gather(&m->node, view->x, k, count, q.d);
+    if (rates) gather(&m->node, view->v, k, count, q.v);
+    take(m, k, count, &q);
+    if (m->model == HK_NEO_HOOKEAN) take_volumes(m, view->host->lanes, t, &q);
+    for (const hk_tangent *d = directions; d < directions + count_directions; d++) {
+      const double *const *of = d->parameter ? d->parameter + row : NULL;
+      gather(&m->node, d->x, k, count, q.w);
+      if (rates) gather(&m->node, d->v, k, count, q.y);
+      take_changes(m, given, t, k, count, of, &q);
+      HK_WIDEST(view->host->lanes, change_many)(&q, m->model, rates, m->damping, of ? part_of(of[BY_DAMPING], 0) : 0);
+      scatter(&m->node, (const double(*)[3][BLOCK])q.x_to, k, count, d->force);
+    }
   }
 }

@@ -62,6 +62,9 @@ hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *
 enum { HK_BENDING_RIGIDITY = 2, HK_BENDING_DAMPING, HK_BENDING_REST };
 void hk_bending_transposed(const hk_bending *, const hk_view *view, const hk_bending_params *given, const double *u,
                            const hk_transposed *into);
+/* As hk_implicit_facet.along, of such a force. */
+void hk_bending_along(const hk_bending *, const hk_view *view, const hk_bending_params *given,
+                      const hk_tangent *directions, size_t count);
 void hk_bending_stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

@@ -15,5 +15,8 @@ void hk_hinge_blocks(const hk_bending *, const double *rest, const double *turne
 /* As hk_implicit_facet.transposed, with the parameters of the force `hinges`. */
 void hk_hinge_transposed(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
                          const hk_bending_params *given, const double *u, const hk_transposed *into);
+/* As hk_implicit_facet.along, likewise. */
+void hk_hinge_along(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
+                    const hk_bending_params *given, const hk_tangent *directions, size_t count);
 
 #endif

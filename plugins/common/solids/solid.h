@@ -51,6 +51,15 @@ void hk_solid_jacobian(hk_solid *, const hk_view *view, const hk_blocks *into);
 /* As hk_implicit_facet.transposed; row: the derivatives by E, nu and damping of every tetrahedron, NULL: not wanted. */
 void hk_solid_transposed(const hk_solid *, const hk_view *view, const hk_solid_params *given, const double *u,
                          const hk_transposed *into, double *const row[3]);
+/* How mu and lambda of the elastic and of the viscous stress, Pa and Pa s, change with E or the damping and nu. */
+typedef struct hk_solid_moduli {
+  double mu, lambda;
+} hk_solid_moduli;
+hk_solid_moduli hk_solid_moduli_along(double E, double nu, double by_E, double by_nu);
+hk_solid_moduli hk_solid_creep_along(double damping, double nu, double by_damping, double by_nu);
+/* solid_along.c: as hk_implicit_facet.along; `row` is that of E, which nu and damping follow. */
+void hk_solid_along(const hk_solid *, const hk_view *view, const hk_solid_params *given, size_t row,
+                    const hk_tangent *directions, size_t count);
 void hk_solid_stiffness_bound(const hk_solid *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

@@ -112,3 +112,16 @@ void hk_solid_transposed(const hk_solid *s, const hk_view *view, const hk_solid_
     if (row) add_slopes(given, s->tuples.number[k], p->shape.volume, elastic, viscous, row);
   }
 }
+
+hk_solid_moduli hk_solid_moduli_along(double E, double nu, double by_E, double by_nu) {
+  hk_neo_hookean one = hk_neo_hookean_of(1, nu);
+  by_moduli of_nu = lame_by_nu(E, nu);
+  return (hk_solid_moduli){by_E * one.mu + by_nu * 4 / 3 * of_nu.mu,
+                           by_E * one.lambda + by_nu * (of_nu.lambda + 5.0 / 6 * of_nu.mu)};
+}
+
+hk_solid_moduli hk_solid_creep_along(double damping, double nu, double by_damping, double by_nu) {
+  hk_viscosity one = hk_viscosity_of(1, nu);
+  by_moduli of_nu = lame_by_nu(damping, nu);
+  return (hk_solid_moduli){by_damping * one.mu + by_nu * of_nu.mu, by_damping * one.lambda + by_nu * of_nu.lambda};
+}

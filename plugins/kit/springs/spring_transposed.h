@@ -1,5 +1,6 @@
 /* Products of the transposed Jacobian of damped springs with a vector u, and derivatives by their coefficients, from
- * the tuples as they are given. With x = x_j - x_i, l = |x|, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j is
+ * the tuples as they are given. With x = x_j - x_i, l = |x|, n = x/l, v = v_j - v_i and w = u_j - u_i, the force on j
+ * is
  *
  *   f = -(k (l - L) + c v.n) n,   u.F = w.f,
  *
@@ -17,6 +18,8 @@
 
 #include "plugins/kit/springs/edge.h"
 
+#include <string.h>
+
 enum { HK_SPRING_BATCH = 64 };
 
 /* The derivatives by the coefficients of every tuple; NULL: not wanted. */
@@ -33,15 +36,27 @@ static inline void hk_spring_transposed(const hk_elements *springs, const hk_vie
 typedef struct hk_spring_batch {
   const uint32_t (*pair)[2];
   size_t count;
+  size_t i[HK_SPRING_BATCH], j[HK_SPRING_BATCH]; /* where the ends are in x */
   double d[3][HK_SPRING_BATCH], w[3][HK_SPRING_BATCH], v[3][HK_SPRING_BATCH];
   double k[HK_SPRING_BATCH], c[HK_SPRING_BATCH], L[HK_SPRING_BATCH];
   double by_x[3][HK_SPRING_BATCH], by_v[3][HK_SPRING_BATCH];
   double by_k[HK_SPRING_BATCH], by_c[HK_SPRING_BATCH], by_L[HK_SPRING_BATCH];
 } hk_spring_batch;
 
-static inline void hk_spring_gather(const hk_spring_batch *b, const double *x, double to[3][HK_SPRING_BATCH]) {
-  for (size_t e = 0; e < b->count; e++)
-    for (size_t a = 0; a < 3; a++) to[a][e] = x[3 * (size_t)b->pair[e][1] + a] - x[3 * (size_t)b->pair[e][0] + a];
+static inline void hk_spring_batch_of(hk_spring_batch *b, const hk_elements *s, size_t first) {
+  b->pair = hk_pairs(&s->node) + first;
+  b->count = s->node.count - first < HK_SPRING_BATCH ? s->node.count - first : HK_SPRING_BATCH;
+  for (size_t e = 0; e < b->count; e++) b->i[e] = 3 * (size_t)b->pair[e][0], b->j[e] = 3 * (size_t)b->pair[e][1];
+}
+
+static inline void hk_spring_gather(const hk_spring_batch *b, const double *restrict x,
+                                    double (*restrict to)[HK_SPRING_BATCH]) {
+  const size_t count = b->count;
+  for (size_t e = 0; e < count; e++) {
+    const double *i = x + b->i[e], *j = x + b->j[e];
+    double first = j[0] - i[0], second = j[1] - i[1], third = j[2] - i[2];
+    to[0][e] = first, to[1][e] = second, to[2][e] = third;
+  }
 }
 
 /* Where an end is not acted on, w is 0, and with it all that is added. */
@@ -50,16 +65,21 @@ static inline void hk_spring_drop_others(hk_spring_batch *b, const hk_view *view
     if (!hk_edge_acts(view, b->pair[e])) b->w[0][e] = b->w[1][e] = b->w[2][e] = 0;
 }
 
-static inline void hk_spring_scatter(const hk_spring_batch *b, double by[3][HK_SPRING_BATCH], double *to) {
-  for (size_t e = 0; e < b->count; e++)
-    for (size_t a = 0; a < 3; a++) {
-      to[3 * (size_t)b->pair[e][1] + a] -= by[a][e];
-      to[3 * (size_t)b->pair[e][0] + a] += by[a][e];
-    }
+static inline void hk_spring_scatter(const hk_spring_batch *b, double (*restrict by)[HK_SPRING_BATCH],
+                                     double *restrict to) {
+  const size_t count = b->count;
+  for (size_t e = 0; e < count; e++) {
+    double *i = to + b->i[e], *j = to + b->j[e], first = by[0][e], second = by[1][e], third = by[2][e];
+    j[0] -= first, j[1] -= second, j[2] -= third;
+    i[0] += first, i[1] += second, i[2] += third;
+  }
 }
 
 static inline void hk_spring_batch_numbers(const hk_per_tuple *from, size_t first, size_t count, double *to) {
-  for (size_t e = 0; e < count; e++) to[e] = hk_tuple_value(from, first + e);
+  if (from->count > 1)
+    memcpy(to, from->value + first, count * sizeof *to);
+  else
+    for (size_t e = 0; e < count; e++) to[e] = hk_tuple_value(from, 0);
 }
 
 HK_INLINE void hk_spring_batch_each(hk_spring_batch *b) {
@@ -95,8 +115,7 @@ static inline void hk_spring_transposed(const hk_elements *s, const hk_view *vie
   bool damped = slopes->c != NULL;
   for (size_t e = 0; e < s->damping.count && !damped; e++) damped = s->damping.value[e] > 0;
   for (size_t e = 0; e < s->node.count; e += HK_SPRING_BATCH) {
-    b.pair = hk_pairs(&s->node) + e;
-    b.count = s->node.count - e < HK_SPRING_BATCH ? s->node.count - e : HK_SPRING_BATCH;
+    hk_spring_batch_of(&b, s, e);
     hk_spring_gather(&b, view->x, b.d);
     hk_spring_gather(&b, u, b.w);
     if (view->is_active) hk_spring_drop_others(&b, view);

@@ -1,12 +1,11 @@
-/* Pseudo-transient continuation (Kelley and Keyes 1998, SIAM Journal on Numerical Analysis 35): stages of backward Euler
- * from rest,
- *     M (x' - x)/g^2 = F(x'),
- * each solved by the damped Newton method of the implicit integrators (newton.h), whose line search descends on the energy
- * E(x') + M |x' - x|^2/(2 g^2). Each stage starts at rest, so that E falls in all of them; g grows with success, and what
- * is left of the inertia vanishes: the last stages are Newton's method for F = 0. Where a stage fails, g shrinks.
+/* Pseudo-transient continuation (Kelley and Keyes 1998, SIAM Journal on Numerical Analysis 35): stages of backward
+ * Euler from rest, M (x' - x)/g^2 = F(x'), each solved by the damped Newton method of the implicit integrators
+ * (newton.h), whose line search descends on the energy E(x') + M |x' - x|^2/(2 g^2). Each stage starts at rest, so that
+ * E falls in all of them; g grows with success, and what is left of the inertia vanishes: the last stages are Newton's
+ * method for F = 0. Where a stage fails, g shrinks.
  *
- * What has been found is pushed a little off in a random direction: of a minimum of the energy it comes back, off a saddle
- * it slides away, to another equilibrium, which is then taken and pushed in its turn. */
+ * What has been found is pushed a little off in a random direction: of a minimum of the energy it comes back, off a
+ * saddle it slides away, to another equilibrium, which is then taken and pushed in its turn. */
 #include "tools/native/common/equilibrium.h"
 #include "plugins/common/implicit/newton.h"
 
@@ -155,8 +154,8 @@ static hk_status try_push(search *e, uint64_t *seed) {
 }
 
 static hk_status refuse(hk_error *error, const char *what, const char *name, const char *remedy) {
-  return hk_error_set(error, HK_BAD_PARAM, "equilibrium is of forces and constraints, and the scene has %s '%s': %s", what,
-                      name, remedy);
+  return hk_error_set(error, HK_BAD_PARAM, "equilibrium is of forces and constraints, and the scene has %s '%s': %s",
+                      what, name, remedy);
 }
 
 static hk_status check(const hk_run *run, hk_error *error) {
@@ -168,8 +167,9 @@ static hk_status check(const hk_run *run, hk_error *error) {
   if (sources->count) return refuse(error, "the source", sources->item[0]->label, "leave it out by --without LABEL");
   const hk_constraint_table *c = run->dynamics.system.constraint;
   if (c && !c->holonomic)
-    return hk_error_set(error, HK_BAD_PARAM, "the scene has one-sided constraints that act, such as cables and stops, whose "
-                                             "equilibrium is not found here: take bars, or springs");
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "the scene has one-sided constraints that act, such as cables and stops, whose "
+                        "equilibrium is not found here: take bars, or springs");
   return HK_OK;
 }
 
@@ -177,7 +177,8 @@ static hk_status check_channels(const search *e, hk_error *error) {
   const double *rates = e->base + 3 * e->s->n;
   for (size_t k = 0; k + 1 < e->s->size - 6 * e->s->n; k++)
     if (rates[k] != 0)
-      return refuse(error, "the channel", e->run->state.channel[0].name, "it changes with time; leave out what changes it");
+      return refuse(error, "the channel", e->run->state.channel[0].name,
+                    "it changes with time; leave out what changes it");
   return HK_OK;
 }
 

@@ -1,4 +1,5 @@
-/* Static equilibrium of a run: positions at which forces and the forces of constraints balance, with all velocities 0. */
+/* Static equilibrium of a run: positions at which forces and the forces of constraints balance, with all velocities 0.
+ */
 #ifndef HK_EQUILIBRIUM_H
 #define HK_EQUILIBRIUM_H
 

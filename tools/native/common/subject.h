@@ -37,6 +37,18 @@ double hk_subject_energy(hk_subject *);
  * particle whose force a part computed from one that it does not have, or 0; nil: it has no add_part. */
 int hk_subject_parts(lua_State *L);
 
+/* Products of the force's own; nil: it has none. With `start`, of lists that held that before, which is taken off
+ * again. transposed(subject, u, start) -> (dF/dx)^T u and (dF/dv)^T u, and whether it was fine. */
+int hk_subject_transposed(lua_State *L);
+/* along(subject, dx, dv, start) -> the change of F, that along -dx and -dv, of one call, and whether it was fine. */
+int hk_subject_along(lua_State *L);
+/* pair(subject, u, dx, dv) -> u.along(w) - transposed(u).w, w with some changes of parameters and masses as well, and
+ * the size of both. */
+int hk_subject_pair(lua_State *L);
+/* bilinear(subject, want, u, w, by_x, by_v, start) -> the derivatives of u.(by_x K + by_v D) w by x and by v, and
+ * whether it was fine. */
+int hk_subject_bilinear(lua_State *L);
+
 /* From now on the instance's parallel_for takes the chunks one by one from the last to the first: what depends on the
  * order in which threads come is seen without luck. */
 void hk_reverse_chunks(hk_instance *);

@@ -77,7 +77,8 @@ static void wrong_values_are_refused(void **state) {
   test_refused("param('n', 3, 'count', { min = 2 })\n" BALL END, "n=1", 1, "parameter n: 1 is below the minimum 2");
   test_refused("param('n', 3)\n" BALL END, "n=three", 1, "parameter n: 'three' is not a number");
   test_refused(BALL "scene:pin { 2 }\n" END, "", 1, "pin: there is no particle 2");
-  test_refused(BALL "scene:pin { p }\nscene:pin { p }\n" END, "", 1, "particle 1 is pinned already: leave it out of one of the two");
+  test_refused(BALL "scene:pin { p }\nscene:pin { p }\n" END, "", 1,
+               "particle 1 is pinned already: leave it out of one of the two");
 }
 
 static void slips_in_scripts_are_explained(void **state) {
@@ -216,7 +217,7 @@ static void bad_plugins_are_refused_with_the_reason(void **state) {
   const struct {
     const char *file, *text;
     int code;
-  } cases[] = {{"wrong_abi", "was built for plugin interface 4.0 and this hooke has 3.4", 2},
+  } cases[] = {{"wrong_abi", "was built for plugin interface 4.0 and this hooke has 3.5", 2},
                {"no_symbol", "exports no hk_plugin_main", 2},
                {"missing", "does not exist", 2},
                {"floor", "is of the kind 'corrector', not 'force'", 1}};

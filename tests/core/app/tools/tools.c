@@ -39,7 +39,7 @@ static void failed_loads_are_listed_with_the_reason(void **state) {
   test_hooke(&r, before, "plugins");
   assert_int_equal(r.code, 0);
   assert_non_null(strstr(r.out, "could not be loaded"));
-  assert_non_null(strstr(r.out, "built for plugin interface 4.0 and this hooke has 3.4"));
+  assert_non_null(strstr(r.out, "built for plugin interface 4.0 and this hooke has 3.5"));
 }
 
 static void explain_tells_the_stable_steps(void **state) {

@@ -64,7 +64,7 @@ static void a_plugin_of_the_first_interface_is_refused_in_one_sentence(void **st
   assert_int_equal(
       hk_registry_find(&e.registry, HK_FORCE, HK_BUILD "/tests/fixtures/first_abi.so", true, &plugin, &error),
       HK_FAILED);
-  assert_non_null(strstr(error.text, "it was built for plugin interface 1.0 and this hooke has 3.4: build it again"));
+  assert_non_null(strstr(error.text, "it was built for plugin interface 1.0 and this hooke has 3.5: build it again"));
   assert_non_null(strstr(error.text, "first_abi.so"));
   test_engine_close(&e);
 }

@@ -2,6 +2,7 @@
 -- one has a truncation error and a short one a rounding error.
 local inspect = require("inspect")
 local cases = require("common.check.force.cases")
+local products = require("common.check.force.products")
 local worst = require("common.check.force.worst")
 
 local derivatives = {}
@@ -210,39 +211,6 @@ local function jacobians_are_the_derivatives(plugin, lines)
     or ""), nil, nil, "compute it from view->x and view->v; keep nothing from `add`", stale)
 end
 
--- A product of its own against the blocks: w.(J^T u) = u.(J w) for every w that is 1 once. Blocks that may leave
--- something out (HK_STIFFER_BLOCKS) are not those of the derivative.
-local function transposed_is_of_the_blocks(plugin, lines)
-  local found, adds, fails = worst.new(), worst.new(), nil
-  at_random_states(plugin, lines, function(subject, case, x)
-    local size, u = #x, {}
-    for k = 1, size do u[k] = math.cos(1.3 * k) end
-    local by_x, by_v, good = inspect.transposed(subject, u)
-    if not by_x then return end
-    if not good then fails = fails or case.name end
-    local K, D = inspect.blocks(subject, 0)
-    for m, by in ipairs { by_x, by_v } do
-      local A = m == 1 and K or D
-      local scale = math.max(worst.largest(A), 1e-300)
-      for c = 1, size do
-        local sum = by[c]
-        for r = 1, size do sum = sum + A[(r - 1) * size + c] * u[r] end
-        found:take(math.abs(sum) / scale, at(case, ("coordinate %d of (dF/d%s)^T u"):format(c, m == 1 and "x" or "v")))
-      end
-    end
-    local x_on, v_on = inspect.transposed(subject, u, 1)
-    local largest = math.max(1, worst.largest(by_x), worst.largest(by_v))
-    for k = 1, size do
-      adds:take(math.max(math.abs(x_on[k] - by_x[k]), math.abs(v_on[k] - by_v[k])) / largest, case.name)
-    end
-  end, function(case) return case.few end)
-  lines:add(not fails, "its `transposed` is given at every state", nil, nil, "return HK_OK, or host->fail with the cause", fails)
-  lines:most("u.(J w) = w.(J^T u) of its blocks and of its own product", found.figure, ROUNDING,
-    "`transposed` adds J^T u, not K^T u = -J^T u, and leaves nothing out", found.where)
-  lines:most("it adds to the products (x += ..., v += ...)", adds.figure, 1e-14 * 64,
-    "write into->x[k] += ..., never =: forces share the lists", adds.where)
-end
-
 local function asymmetry(A, size)
   local most, off = worst.largest(A), 0
   for r = 1, size do
@@ -343,9 +311,7 @@ function derivatives.try(plugin, report)
     return
   end
   report:try("its Jacobian", function(l) jacobians_are_the_derivatives(plugin, l) end)
-  if plugin.transposed and not plugin.stiffer_blocks then
-    report:try("its transposed product", function(l) transposed_is_of_the_blocks(plugin, l) end)
-  end
+  products.try(plugin, report)
   report:try("the symmetry of its Jacobian", function(l) symmetric_as_claimed(plugin, l) end)
   if plugin.offers_definite then
     report:try("its definite blocks", function(l) definite_as_offered(plugin, l) end)
