@@ -41,11 +41,11 @@ static void a_figure_of_wax_stands_until_it_melts(void **state) {
  * enthalpy of 0.05 kg x 64 kJ/kg at the start, to the rounding of an implicit step. */
 static void chocolate_sets_on_what_is_cold(void **state) {
   (void)state;
-  test_scene(&r, "chocolate", "cell=0.01 --until 0.01");
+  test_scene(&r, "chocolate", "cell=0.008 --until 0.01");
   double start = test_json(r.out, "balance");
-  test_scene(&r, "chocolate", "cell=0.01 --until 0.4");
+  test_scene(&r, "chocolate", "cell=0.008 --until 0.4");
   double set = test_json(r.out, "set"), balance = test_json(r.out, "balance");
-  test_scene(&r, "chocolate", "cell=0.01 cold=318 --until 0.4");
+  test_scene(&r, "chocolate", "cell=0.008 cold=318 --until 0.4");
   double warm = test_json(r.out, "set");
   if (!(set > 0.1 && warm == 0 && fabs(balance / start - 1) < 1e-9))
     fail_msg("set %g, %g; %.12g J, %.12g J", set, warm, start, balance);
