@@ -160,6 +160,7 @@ static void set_method(gas *s) {
   m->ceiling = s->ceiling - s->start.ambient;
   m->ignition = s->ignition - s->start.ambient;
   m->flow.tolerance = s->tolerance;
+  m->flow.clings = true;
   m->sticks = (hk_gas_sticks)s->sticks;
   if (isnan(s->source_radius)) s->source_radius = 2 * s->cell;
   double *at = s->state.item;

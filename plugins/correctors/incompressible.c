@@ -254,13 +254,16 @@ static bool move(const incompressible *s, const hk_view *view, hk_correction *c)
 
 /* Where there is a surface they would leave it. */
 static void spread(incompressible *s, const hk_view *view, hk_correction *c, const hk_sph_pressure *p) {
-  if (fmod(s->solves, 2 * often) == 0) s->paired = fmax(s->paired, hk_sph_paired(&p->near, view, p->pulls));
+  if (p->pulls && fmod(s->solves, 2 * often) == 0) s->paired = fmax(s->paired, hk_sph_paired(&p->near, view, p->pulls));
   if (!p->pulls || !(s->shift > 0)) return;
   double area = s->shift * s->common.spacing * s->common.spacing * courant_of(s, view, c) / s->common.reach;
   hk_sph_way_apart(&s->common, &s->list, view, (double(*)[3])s->way);
   for (size_t i = 0; i < view->n; i++)
-    for (size_t k = 3 * i; k < 3 * i + 3; k++) c->x[k] += area / s->common.spacing * s->way[k];
-  c->changed = true;
+    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+      double to = c->x[k] + area / s->common.spacing * s->way[k];
+      c->changed |= to != c->x[k];
+      c->x[k] = to;
+    }
 }
 
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {

@@ -196,7 +196,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   m->flip = s->flip;
   m->tolerance = s->tolerance;
   m->viscous = s->viscosity > 0 || s->viscosity_of;
-  m->clings = s->tension > 0;
+  m->clings = s->tension > 0 || m->viscous;
   m->sticks = s->walls == NO_SLIP && s->transfer == HK_LIQUID_APIC && m->viscous;
   s->surface = (hk_tension){.tension = s->tension};
   s->viscous =
@@ -205,8 +205,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (isnan(cell)) cell = hk_liquid_default_cell(view, s->index, s->count, s->density, s->low, s->high);
   status = hk_liquid_grid_open(&m->grid, host, s->low, s->high, cell, 1e9 * s->memory);
   if (status == HK_OK && m->viscous)
-    status =
-        hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid), 1e9 * s->memory);
+    status = hk_liquid_grid_check(&m->grid, host, "its viscosity", hk_liquid_viscosity_bytes(&m->grid, s->viscosity_of),
+                                  1e9 * s->memory);
   if (status == HK_OK) status = hk_liquid_check_start(m, view, s->index, s->count);
   if (status == HK_OK) status = host->resize(host, &s->guess, m->grid.size);
   if (status == HK_OK && s->viscosity_of)
@@ -333,7 +333,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->pace.passed = fmax(s->pace.passed, courant);
   hk_liquid_note_wave(m, &s->pace, c->h);
   note_drift(s);
-  hk_liquid_note_thin(m, &s->pace);
+  if (!again) hk_liquid_note_thin(m, &s->pace);
   say(s, view, courant);
   return HK_OK;
 }

@@ -1,5 +1,5 @@
 /* What a scene measures at every frame. The unit of a measure stands behind its name on axes, in summaries and at the
- * head of columns, between brackets: so it is a short text in one line, without brackets. */
+ * head of a sweep's columns, between brackets: so it is a short text in one line, without brackets. */
 #include "core/engine/base/base.h"
 #include "core/engine/text/text.h"
 #include "core/scene/scene/scene.h"

@@ -1,5 +1,6 @@
 #include "plugins/common/heat/grid_heat.h"
 
+#include <float.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -7,6 +8,7 @@ enum { GRAIN = 4096, MOST_ROUNDS = 10 };
 
 static const double pi = 3.14159265358979323846;
 static const double full = 0.8;       /* of a cell, that counts as all of it */
+static const double a_lot = 1e3;      /* times an enthalpy */
 static const double rounding = 1e-12; /* of an enthalpy */
 
 hk_status hk_grid_heat_open(hk_grid_heat *s, const hk_host *host) {
@@ -145,8 +147,9 @@ static void find_range(const task *t, size_t i, const about *at, double range[2]
     least = smaller(least, theta), most = larger(most, theta);
   }
   if (at->at_wall) add_faces(s, t->x + 3 * i, &least, &most);
-  range[0] = hk_heat_least_enthalpy(&s->law, least);
-  range[1] = hk_heat_most_enthalpy(&s->law, most);
+  double far = a_lot * (fabs(t->h[i]) + fabs(t->change[i]) + DBL_MIN); /* what does not conduct has no end */
+  range[0] = larger(hk_heat_least_enthalpy(&s->law, least), -far);
+  range[1] = smaller(hk_heat_most_enthalpy(&s->law, most), far);
 }
 
 /* Notes what the particle has beyond its range, J/kg; below it that is negative. */

@@ -53,7 +53,7 @@ typedef struct hk_liquid {
   size_t most;      /* particles that there is memory for */
   bool viscous;     /* it has a viscosity, and drops hang together with it */
   bool sticks;      /* the liquid has the velocity of the box's faces there: it is viscous, and they hold it back */
-  bool clings;      /* it has a surface tension, by which walls hold it also with less pressure than that of the air */
+  bool clings; /* walls hold it with less pressure than that of the air, too: by tension or viscosity, or it is a gas */
   bool walled, stood; /* walls are known; they are those of obstacles that did not move */
   /* of the last step */
   size_t inside; /* cells that are full: liquid on all sides */

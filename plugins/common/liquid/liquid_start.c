@@ -4,11 +4,13 @@
 #include "plugins/common/mac_grid/thin_solids.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
-static const double most_off = 0.01;      /* of the density, of all the liquid together */
+static const double most_off = 0.014; /* of the density, of all the liquid together: a round wall's cells make 0.012 */
 static const double most_differs = 0.005; /* of it, from place to place: parts of which one has 1 % more */
 static const double least_slope = 0.3;    /* of density by mass: 1 where equal particles fill equal volumes */
 
-enum { APART = 3 /* cells, that no particle's kernel shares */, PAIRS = 16 };
+static const double deviations = 3; /* by which what is found is more than chance */
+
+enum { APART = 3 /* cells, that no particle's kernel shares */, PAIRS = 16, SHARED = 6 /* pairs that a cell is in */ };
 
 double hk_liquid_default_cell(const hk_view *view, const uint32_t *index, size_t count, double density,
                               const double low[3], const double high[3]) {
@@ -42,11 +44,39 @@ static double mean_mass(const hk_liquid *l, const hk_liquid_particles *p, size_t
   return sum > 0 ? sum / (double)(l->start[i + 1] - l->start[i]) : 0;
 }
 
+/* Cells within the liquid that no wall is near, whose volume it would have to guess. */
+typedef struct look {
+  double cells, particles, mean; /* of the density */
+  /* 1: particles lie at random, so that cells differ by (2/3)^d of what their numbers do, which is what the trilinear
+   * kernel leaves; near 0 in a lattice, whose means have no such chance */
+  double randomness;
+} look;
+
+static look look_within(const hk_liquid *l) {
+  const hk_liquid_grid *g = &l->grid;
+  double sum = 0, squares = 0, kernel = 1;
+  look at = {.mean = 1};
+  for (int c = 0; c < 3; c++) kernel *= g->flat[c] ? 1 : 2.0 / 3;
+  for (size_t k = 0; k < l->pressure.rows; k++) {
+    size_t i = l->pressure.cell[k];
+    if (!hk_liquid_is_within(l, i) || g->room[i] < 1) continue;
+    at.cells++;
+    at.particles += l->start[i + 1] - l->start[i];
+    sum += g->filled[i];
+    squares += g->filled[i] * g->filled[i];
+  }
+  if (!(at.particles > 0)) return at;
+  at.mean = sum / at.cells;
+  double variance = fmax(0, squares / at.cells - at.mean * at.mean);
+  at.randomness = fmin(1, variance / (kernel * at.cells / at.particles));
+  return at;
+}
+
 /* By how much the density differs with the mass of the particles: the deviation of what heavier ones make it, over
  * cells apart, where places at random, and columns whose masses make up for their distances, cancel out. */
-static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p) {
+static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p, double randomness) {
   const hk_liquid_grid *g = &l->grid;
-  double count = 0, m = 0, d = 0, mm = 0, md = 0;
+  double count = 0, m = 0, d = 0, mm = 0, md = 0, dd = 0;
   for (size_t k = 0; k < l->pressure.rows; k++)
     for (int c = 0; c < 3; c++) {
       size_t i = l->pressure.cell[k], j = i + APART * g->stride[c];
@@ -57,6 +87,7 @@ static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p) 
       count += 2;
       m += a + b;
       d += g->filled[i] + g->filled[j];
+      dd += g->filled[i] * g->filled[i] + g->filled[j] * g->filled[j];
       mm += a * a + b * b;
       md += a * g->filled[j] + b * g->filled[i];
     }
@@ -64,12 +95,16 @@ static double differs_by_mass(const hk_liquid *l, const hk_liquid_particles *p) 
   double deviation = sqrt(fmax(0, mm / count - m / count * (m / count)));
   if (!(deviation > 1e-6 * m / count)) return 0;
   double differs = (md / count - m / count * (d / count)) / deviation;
+  double rest = fmax(0, dd / count - d / count * (d / count) - differs * differs);
+  double chance = randomness * sqrt(rest / (count / SHARED));
+  if (differs < deviations * chance) return 0;
   return differs * m / count > least_slope * deviation ? differs : 0;
 }
 
 double hk_liquid_off_at_start(const hk_liquid *l, const hk_liquid_particles *p) {
   if (l->inside <= HK_LIQUID_ENOUGH) return 0;
-  double off = l->mean - 1, differs = differs_by_mass(l, p);
+  const look at = look_within(l);
+  double off = at.mean - 1, differs = differs_by_mass(l, p, at.randomness);
   if (differs > most_differs) {
     l->host->warn(
         l->host,
@@ -79,11 +114,12 @@ double hk_liquid_off_at_start(const hk_liquid *l, const hk_liquid_particles *p) 
         100 * differs, l->density);
     return differs;
   }
-  if (!(fabs(off) > most_off)) return 0;
+  if (at.cells <= HK_LIQUID_ENOUGH) return 0;
+  if (!(fabs(off) > most_off + deviations * at.randomness / sqrt(at.particles))) return 0;
   l->host->warn(l->host,
                 "the particles have %.4g kg/m^3 where they fill cells at the start, and `density` is %g: the liquid "
                 "will %s by %.2g %%; give them masses density x volume",
-                l->mean * l->density, l->density, off > 0 ? "swell" : "shrink", 100 * fabs(off));
+                at.mean * l->density, l->density, off > 0 ? "swell" : "shrink", 100 * fabs(off));
   return fabs(off);
 }
 

@@ -76,10 +76,10 @@ static hk_status make_room(hk_liquid_viscosity *v, const hk_host *host, size_t r
 static const double bytes_of_row = 15 * 12 + 8 * 16 + 8 * 32 + 8 * 16 + 9 * 8 + 8 * 7 + 8 * 8,
                     bytes_of_cell = 3 * 4 + 8, bytes_of_lists = 9 * 3 * 8 + 8; /* viscous_flow.h */
 
-double hk_liquid_viscosity_bytes(const hk_liquid_grid *g) {
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *g, bool by_cell) {
   double cells = (double)g->cells[0] * (double)g->cells[1] * (double)g->cells[2];
   int axes = !g->flat[0] + !g->flat[1] + !g->flat[2];
-  return axes * cells * bytes_of_row + (double)g->size * (bytes_of_cell + bytes_of_lists);
+  return axes * cells * bytes_of_row + (double)g->size * (bytes_of_cell + (by_cell ? bytes_of_lists : 0));
 }
 
 /* Faces that are open, and have mass or are strained; with `list` they are entered. Returns how many. The three of a

@@ -42,8 +42,9 @@ typedef struct hk_liquid_viscosity {
   size_t listed;
 } hk_liquid_viscosity;
 
-/* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. */
-double hk_liquid_viscosity_bytes(const hk_liquid_grid *);
+/* Bytes that it takes beside the grid, at most: every face of it may be in the liquid. by_cell: the viscosity differs.
+ */
+double hk_liquid_viscosity_bytes(const hk_liquid_grid *, bool by_cell);
 /* Applies it to the velocities for a step of h, s; after hk_liquid_walls and hk_liquid_find_surface, and between two
  * projections: what is to be sheared has no divergence, and what comes of it has little. HK_NO_MEMORY,
  * HK_NOT_CONVERGED: with a message. */

@@ -5,7 +5,8 @@
  * before), Uzawa's iteration with the pressure of a projection method (Guermond, Minev, Shen 2006, An overview of
  * projection methods for incompressible flows, section 3), here by generalised conjugate residuals (Eisenstat, Elman,
  * Schultz 1983, SIAM J. Numer. Anal. 20, 345) with the last direction kept, until the next pressure would move nothing
- * stiff. That one is applied as it is, so that nothing is left of the divergence. */
+ * stiff by 1e-3 of a cell in the step, or eight times. That one is applied as it is, so that nothing is left of the
+ * divergence. */
 #ifndef HK_VISCOUS_FLOW_H
 #define HK_VISCOUS_FLOW_H
 

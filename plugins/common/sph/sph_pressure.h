@@ -1,6 +1,6 @@
 /* Pressures that keep the density of a liquid by particles, by relaxed Jacobi iterations on its multipliers (Bender and
- * Koschier 2015, Divergence-free smoothed particle hydrodynamics, section 3), or by conjugate gradients: impulses
- *     m_i dv_i = -(d rho/dx_i)^T a,   a >= 0,
+ * Koschier 2015, Divergence-free smoothed particle hydrodynamics, section 3), or where they also pull by conjugate gradients: impulses
+ *     m_i dv_i = -(d rho/dx_i)^T a,   a >= 0 where they only push,
  * with which the density does not rise above that at rest within a step, rho + h d rho/dt <= rho0, or does not rise at
  * all where it is reached, d rho/dt <= 0. Walls that move answer (sph_bodies.h). Momentum of liquid and walls together
  * is kept, as impulses on a pair are opposite, and lie along its line.

@@ -32,8 +32,8 @@ static double thin(const char *options, int code) {
   return test_json(r.out, "below_3_cells");
 }
 
-/* A ball with less than three cells on its diameter has no block of three cells, nor has one whose corners a block of
- * three, of half diagonals of 1.7 spacings between centres, cannot have in it; one of seven is full of them. */
+/* A block of three cells has the centres of those at its corners 1.7 cells from its middle, so that a ball of less
+ * holds none; one of five cells in radius is full of them. */
 static void small_drops_are_not_ok(void **state) {
   (void)state;
   assert_true(thin("radius=1.4", 5) == 1);
