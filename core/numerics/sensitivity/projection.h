@@ -43,8 +43,8 @@ void hk_projection_put(hk_sensitivity *, double *at);
 
 hk_status hk_projection_step(hk_sensitivity *, const hk_taken_step *, hk_carried *Z); /* takes it, from Z to Z */
 
-/* Puts x and v onto the constraints, as a step that goes nowhere: x' = x + W J(x)^T l, v' = v + W J(x')^T m. Its tangents
- * are those of a step whose dv is 0 until x' is found. */
+/* Puts x and v onto the constraints, as a step that goes nowhere: x' = x + W J(x)^T l, v' = v + W J(x')^T m. Its
+ * tangents are those of a step whose dv is 0 until x' is found. */
 hk_status hk_projection_place(hk_sensitivity *, const hk_taken_step *, double *Z);
 
 /* What parameters change, a list to be freed. Refuses those that change which equations there are. */

@@ -11,16 +11,12 @@
 typedef struct segment {
   hk_sensitivity *s;
   const hk_varied *by;
-  size_t controls, columns,
-      apart;         /* 6n of the state, then two of every function of time; hk_sensitivity.wide numbers each */
-  double begin, end; /* s, of the knots */
-  double *dZ, *stage, *a[HK_MOST_STAGES], *own;
+  size_t controls;
+  double begin, end;     /* s, of the knots */
+  hk_carried_changes of; /* 6n of the state, then two of every function of time */
+  double *own;
   hk_changes_plan plan;
 } segment;
-
-static void accelerations_of(const segment *w, size_t column, double *a[HK_MOST_STAGES]) {
-  for (size_t i = 0; i < w->s->stages; i++) a[i] = w->a[i] + column * w->apart;
-}
 
 /* What the values at both knots do at the time of stage k. */
 static hk_status add_controls(segment *w, size_t k) {
@@ -29,7 +25,7 @@ static hk_status add_controls(segment *w, size_t k) {
   size_t v = 3 * w->s->n;
   hk_status status = HK_OK;
   for (size_t j = 0; j < w->controls && status == HK_OK; j++) {
-    double *first = w->a[k] + (2 * v + 2 * j) * w->apart, *second = first + w->apart;
+    double *first = w->of.a[k] + (2 * v + 2 * j) * w->of.apart, *second = first + w->of.apart;
     status = hk_changes_plan_slope(&w->plan, w->s, p, &w->by[j], j, w->own);
     for (size_t e = 0; e < v; e++) {
       first[e] += (1 - part) * w->own[e];
@@ -40,27 +36,11 @@ static hk_status add_controls(segment *w, size_t k) {
 }
 
 /* The changes of the accelerations of stage k at the point that `stage` changes. */
-static hk_status changes_of(segment *w, size_t k) {
-  hk_status status = hk_sensitivity_products(w->s, &w->s->point[k], w->columns, w->apart, w->stage, NULL, w->a[k]);
+static hk_status accelerations_of(void *context, size_t k) {
+  segment *w = context;
+  hk_status status =
+      hk_sensitivity_products(w->s, &w->s->point[k], w->of.count, w->of.apart, w->of.stage, NULL, w->of.a[k]);
   return status == HK_OK ? add_controls(w, k) : status;
-}
-
-static hk_status stage_of(segment *w, const hk_taken_step *step, size_t k) {
-  hk_sensitivity *s = w->s;
-  size_t v = 3 * s->n;
-  bool evaluates = hk_sensitivity_evaluates(s, step, k);
-  for (size_t j = 0; j < w->columns; j++) {
-    double *a[HK_MOST_STAGES], *dZ = w->dZ + j * w->apart;
-    accelerations_of(w, j, a);
-    if (!evaluates) memcpy(a[k], dZ + 2 * v, v * sizeof *dZ);
-    hk_sensitivity_stage(s, step, k, dZ, a, w->stage + j * w->apart);
-  }
-  if (!evaluates) return HK_OK;
-  hk_status status = changes_of(w, k);
-  if (status != HK_OK || !hk_implicit_stage_is(hk_sensitivity_method(s, step), k)) return status;
-  status = hk_implicit_stage_linearise(s, step, k, false);
-  for (size_t j = 0; j < w->columns && status == HK_OK; j++) status = hk_implicit_stage_pass(s, w->a[k] + j * w->apart);
-  return status;
 }
 
 /* The state at the first knot is put onto the constraints, off which unknown positions may be: so the segment is a map
@@ -69,51 +49,23 @@ static hk_status place(segment *w, const hk_taken_step *step, hk_carried *Z) {
   hk_sensitivity *s = w->s;
   size_t v = 3 * s->n;
   hk_status status = hk_projection_place(s, step, Z);
-  for (size_t j = 0; j < w->columns; j++) {
-    double *dv = w->dZ + j * w->apart + v;
-    memcpy(w->stage + j * w->apart + 2 * v, dv, v * sizeof *dv);
+  for (size_t j = 0; j < w->of.count; j++) {
+    double *dv = w->of.dZ + j * w->of.apart + v;
+    memcpy(w->of.stage + j * w->of.apart + 2 * v, dv, v * sizeof *dv);
     memset(dv, 0, v * sizeof *dv);
   }
-  if (status == HK_OK && w->columns)
-    status = hk_projection_drift(s, step, w->columns, w->apart, w->a[0], NULL, w->dZ, w->stage); /* a[0] is 0 yet */
-  for (size_t j = 0; j < w->columns; j++)
-    memcpy(w->dZ + j * w->apart + v, w->stage + j * w->apart + 2 * v, v * sizeof *w->dZ);
-  if (status == HK_OK && w->columns) status = hk_projection_settle(s, step, w->columns, w->apart, NULL, w->dZ);
+  if (status == HK_OK && w->of.count)
+    status = hk_projection_drift(s, step, w->of.count, w->of.apart, w->of.a[0], NULL, w->of.dZ,
+                                 w->of.stage); /* a[0] is 0 yet */
+  for (size_t j = 0; j < w->of.count; j++)
+    memcpy(w->of.dZ + j * w->of.apart + v, w->of.stage + j * w->of.apart + 2 * v, v * sizeof *w->of.dZ);
+  if (status == HK_OK && w->of.count) status = hk_projection_settle(s, step, w->of.count, w->of.apart, NULL, w->of.dZ);
   return status;
-}
-
-/* A step with constraints. */
-static hk_status projected(segment *w, const hk_taken_step *step) {
-  hk_sensitivity *s = w->s;
-  size_t v = 3 * s->n, last = s->method->count - 1;
-  hk_status status = HK_OK;
-  if (hk_sensitivity_evaluates(s, step, 0))
-    status = stage_of(w, step, 0);
-  else
-    for (size_t j = 0; j < w->columns; j++)
-      memcpy(w->a[0] + j * w->apart, w->dZ + j * w->apart + 2 * v, v * sizeof *w->dZ);
-  if (status == HK_OK) status = hk_projection_drift(s, step, w->columns, w->apart, w->a[0], NULL, w->dZ, w->stage);
-  if (status == HK_OK && last > 0) status = changes_of(w, last);
-  for (size_t j = 0; j < w->columns && status == HK_OK && last > 0; j++) {
-    double *a = w->a[last] + j * w->apart, *dZ = w->dZ + j * w->apart;
-    for (size_t e = 0; e < v; e++) dZ[v + e] += step->h * s->method->v_end[last] * a[e];
-    memcpy(dZ + 2 * v, a, v * sizeof *a);
-  }
-  return status == HK_OK ? hk_projection_settle(s, step, w->columns, w->apart, NULL, w->dZ) : status;
 }
 
 static hk_status step_of(segment *w, const hk_taken_step *step, hk_carried *Z) {
-  hk_sensitivity *s = w->s;
-  hk_status status = hk_sensitivity_step(s, step, Z);
-  if (s->projection) return status == HK_OK && w->columns ? projected(w, step) : status;
-  for (size_t k = 0; k < hk_sensitivity_method(s, step)->count && status == HK_OK && w->columns; k++)
-    status = stage_of(w, step, k);
-  for (size_t j = 0; j < w->columns && status == HK_OK; j++) {
-    double *a[HK_MOST_STAGES];
-    accelerations_of(w, j, a);
-    hk_sensitivity_arrive(s, step, a, w->dZ + j * w->apart);
-  }
-  return status;
+  hk_status status = hk_sensitivity_step(w->s, step, Z);
+  return status == HK_OK && w->of.count ? hk_carried_changes_step(w->s, step, &w->of) : status;
 }
 
 static hk_status all_steps(segment *w, size_t first, size_t last, hk_carried *Z) {
@@ -129,7 +81,11 @@ static hk_status all_steps(segment *w, size_t first, size_t last, hk_carried *Z)
 hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, double *X, const hk_varied *by,
                                  size_t controls, double *J, hk_error *error) {
   size_t v = 3 * s->n, size = s->wide, columns = J ? 2 * v + 2 * controls : 0;
-  segment w = {.s = s, .by = by, .controls = controls, .columns = columns, .apart = size};
+  segment w = {.s = s,
+               .by = by,
+               .controls = controls,
+               .of = {.count = columns, .apart = size, .accelerations = accelerations_of}};
+  w.of.context = &w;
   if (s->linearised)
     return hk_error_set(error, HK_FAILED,
                         "a linear step goes on from the linearisation before, which transcription has no unknowns for: "
@@ -141,18 +97,18 @@ hk_status hk_sensitivity_segment(hk_sensitivity *s, size_t first, size_t last, d
     return hk_error_set(error, HK_NO_MEMORY, "no memory for the derivatives of %zu steps", last - first);
   }
   double *Z = memory;
-  w.dZ = Z + size;
-  w.stage = w.dZ + columns * size;
-  for (size_t k = 0; k < s->stages; k++) w.a[k] = w.stage + (k + 1) * columns * size;
-  w.own = w.stage + (s->stages + 1) * columns * size;
+  w.of.dZ = Z + size;
+  w.of.stage = w.of.dZ + columns * size;
+  for (size_t k = 0; k < s->stages; k++) w.of.a[k] = w.of.stage + (k + 1) * columns * size;
+  w.own = w.of.stage + (s->stages + 1) * columns * size;
   w.begin = s->step[first].t;
   w.end = last > first ? s->step[last - 1].t + s->step[last - 1].h : w.begin;
   memcpy(Z, X, 2 * v * sizeof *X);
-  for (size_t j = 0; j < 2 * v && columns; j++) w.dZ[j * size + j] = 1;
+  for (size_t j = 0; j < 2 * v && columns; j++) w.of.dZ[j * size + j] = 1;
   hk_sensitivity_untape(s);
   hk_status status = all_steps(&w, first, last, Z);
   memcpy(X, Z, 2 * v * sizeof *X);
-  for (size_t j = 0; j < columns; j++) memcpy(J + j * 2 * v, w.dZ + j * size, 2 * v * sizeof *J);
+  for (size_t j = 0; j < columns; j++) memcpy(J + j * 2 * v, w.of.dZ + j * size, 2 * v * sizeof *J);
   hk_changes_plan_close(&w.plan, s);
   free(memory);
   if (status != HK_OK && error->status == HK_OK) hk_error_set(error, status, "%s", s->dynamics->error->text);

@@ -186,6 +186,19 @@ void hk_sensitivity_stage(const hk_sensitivity *, const hk_taken_step *, size_t 
                           double *const a[HK_MOST_STAGES], double *X);
 void hk_sensitivity_arrive(const hk_sensitivity *, const hk_taken_step *, double *const a[HK_MOST_STAGES],
                            hk_carried *Z);
+/* Changes of the state that are carried through steps taken again, for tangents and for segments. */
+typedef struct hk_carried_changes {
+  size_t count, apart;                                 /* changes; numbers of one */
+  hk_carried *dZ;                                      /* of the state */
+  double *stage;                                       /* of the stage's x and v, and room */
+  double *a[HK_MOST_STAGES];                           /* of the stages' accelerations: 3n, and room */
+  const struct hk_projection_slopes *by;               /* of constraints, projection.h; NULL: none */
+  hk_status (*accelerations)(void *context, size_t k); /* sets a[k] by `stage` and whatever else changes it */
+  void *context;
+} hk_carried_changes;
+
+/* Through a step that was taken again, with constraints or without, but for linear ones. */
+hk_status hk_carried_changes_step(hk_sensitivity *, const hk_taken_step *, hk_carried_changes *);
 /* Whether stage k is evaluated, not carried over. */
 bool hk_sensitivity_evaluates(const hk_sensitivity *, const hk_taken_step *, size_t k);
 hk_status hk_sensitivity_evaluate(hk_dynamics *, double t, double *X, double *a); /* at X (6n) */

@@ -1,4 +1,5 @@
-/* A step as the linear combinations of accelerations that its method states. */
+/* A step as the linear combinations of accelerations that its method states, and changes that are carried through it.
+ */
 #include "core/numerics/sensitivity/sensitivity.h"
 
 #include <string.h>
