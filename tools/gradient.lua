@@ -172,7 +172,10 @@ end
 -- In the place of the derivative of the steps, which is not to be had for this reason.
 local function by_whole_runs(o, reason, gain)
   for _, p in ipairs(o.parameters) do
-    if p.values then return nil, reason end
+    if p.values then
+      return nil, ("%s; whole runs, which tell it then, are not taken by the knots of '%s': take the derivative without it"):format(
+        reason, p.name)
+    end
   end
   local list, here, refused = refined_sides(o, o.dt, gain, function() return true end)
   if not list then return nil, here end

@@ -128,12 +128,13 @@ compare("implicit", keys_of("scene:implicit"), list)
 
 local commands = {}
 for name in output_of("'%s/hooke' --help", build):gmatch("\n  hooke ([%a_]+)") do commands[name] = true end
-local told = 0
 for name in assert(files.read(root .. "/scripts/handbook/commands.md")):gmatch("\n## ([^\n]+)") do
   assert(commands[name], "scripts/handbook/commands.md: there is no command " .. name)
-  told = told + 1
+  commands[name] = nil
 end
-assert(told > 15, told)
+for name in pairs(commands) do -- `hooke run` has pages of its own, and --watch is an option of it
+  assert(name == "run" or name == "watch", "scripts/handbook/commands.md does not say what `hooke " .. name .. "` does")
+end
 
 -- ---- examples, help ----
 

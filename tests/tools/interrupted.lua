@@ -42,7 +42,14 @@ local _, whole = fit.run(command .. "whole")
 assert(code == 0 and again:match("\n  k +(%S+)") == whole:match("\n  k +(%S+)"), again .. whole)
 assert(tonumber(again:match("(%d+) runs")) < tonumber(whole:match("(%d+) runs")), again .. whole)
 code, again = fit.run("slow.lua --data slow.csv --by k --out early", when("early/runs.json", "INT"))
-assert(code == 130 and again:find("^hooke: fit: interrupted before its first iteration: %d+ runs? [ia][sr]e? ?kept in early/"), again)
+assert(code == 130 and (again:find("^hooke: fit: interrupted before its first iteration: %d+ runs? [ia][sr]e? ?kept in early/")
+  or again:find("^hooke: fit: interrupted before its first run: nothing is kept")), again)
+
+-- A signal to the process of one case is that case's: it fails, and the fit is not taken for interrupted.
+local to_child = "sh -c '\"$@\" & p=$!; c=; while [ -z \"$c\" ] && kill -0 $p; do read c rest < /proc/$p/task/$p/children; done; "
+  .. "kill -TERM $c; wait $p' sh"
+code, again = fit.run("slow.lua --data slow.csv --by k --jobs 2 --out child", to_child)
+assert(code ~= 130 and again:find("signal 15") and not again:find("interrupted"), ("exit %d: %s"):format(code, again))
 fit.close()
 
 -- ---- optimise, by both ways ----

@@ -90,6 +90,9 @@ end
 assert(value("PRAGMA user_version") == 1 or value("PRAGMA user_version") == "1")
 assert(value("SELECT unit FROM units WHERE name = 'sag' LIMIT 1") == "m")
 assert(value("SELECT unit FROM units WHERE name = 'k' LIMIT 1") == "N/m")
+code, said = runs.run("hung.lua k=40,50 --verify --plot sag:k --quiet --db checked.db")
+assert(code == 0, said)
+has(runs.read("checked-sag-k.gp"), "set xlabel 'k, N/m'")
 assert(db:execute("DROP TABLE units")) -- as a hooke that knew none left it
 db:close()
 code, said = runs.run("hung.lua k=40,50,60 --report --csv old.csv --plot sag:k --quiet --db all.db")

@@ -63,12 +63,24 @@ static int processors(lua_State *L) {
   return 1;
 }
 
+static int signals_written = -1; /* the end of a pipe, as a handler is given nothing; -1: signals end the process */
+
 /* fork() -> in the parent: pid, fd to read what the child writes; in the child: 0, fd to write to. */
 static int start(lua_State *L) {
   int fd[2];
   if (pipe(fd) != 0) return refuse(L, "pipe");
+  sigset_t asked, before; /* a signal to the child is its own, not the tool's, from its first moment */
+  sigemptyset(&asked);
+  sigaddset(&asked, SIGINT);
+  sigaddset(&asked, SIGTERM);
   fflush(NULL);
+  sigprocmask(SIG_BLOCK, &asked, &before);
   pid_t pid = fork();
+  if (pid == 0 && signals_written >= 0) {
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+  }
+  sigprocmask(SIG_SETMASK, &before, NULL);
   if (pid < 0) {
     close(fd[0]);
     close(fd[1]);
@@ -164,7 +176,7 @@ static int close_fd(lua_State *L) {
 /* ready({fd, ...}, s) -> { [fd] = true } of those that can be read or were closed; waits up to s seconds for the
  * first. */
 static int ready(lua_State *L) {
-  enum { MOST = 256 };
+  enum { MOST = 257 }; /* 256 processes, and signals */
   struct pollfd list[MOST];
   luaL_checktype(L, 1, LUA_TTABLE);
   size_t count = lua_rawlen(L, 1);
@@ -264,9 +276,6 @@ static int interrupt(lua_State *L) {
   kill((pid_t)luaL_checkinteger(L, 1), SIGINT);
   return 0;
 }
-
-/* A handler is given nothing. */
-static int signals_written = -1;
 
 static bool ends_at_second;
 static volatile sig_atomic_t noted;

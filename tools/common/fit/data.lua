@@ -15,10 +15,15 @@ end
 local function is_finite(x) return x ~= nil and x - x == 0 end
 
 -- Takes units off the names of columns; nil and what is wrong: one is not the scene's.
-local function without_units(cells, said)
+local function without_units(cells, known, said)
   for k, cell in ipairs(cells) do
     local name, unit = units.of_heading(cell)
-    local own = name == "t" and "s" or said[name:gsub("_sd$", "")]
+    local of = name:gsub("_sd$", "")
+    local own = name == "t" and "s" or said[of]
+    if unit and not own and known[of] then
+      return nil, ("the column '%s' has a unit, and the scene says none of '%s': leave it out, or give the measure "
+        .. "{ unit = \"%s\" }"):format(cell, of, unit)
+    end
     if unit and own and unit ~= own then
       return nil, ("the column '%s' is in %s, and the scene has %s in %s: convert it"):format(cell, unit, name, own)
     end
@@ -126,7 +131,7 @@ end
 function data.read(path, known, duration, said)
   local names, columns, list = nil, nil, {}
   local fine, why = data.lines(path, function(cells)
-    local same, wrong = without_units(cells, said or {})
+    local same, wrong = without_units(cells, known, said or {})
     names = cells
     if same then columns, wrong = columns_of(cells, known) end
     return columns, wrong

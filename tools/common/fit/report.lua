@@ -24,8 +24,8 @@ end
 
 -- What is left of a fit that is interrupted, behind that word.
 function report.interrupted(o)
-  if not o.runs then return " before its first run: nothing is kept, and the same command begins again" end
-  local count = o.journal.count + o.runs.count
+  local count = o.runs and o.journal.count + o.runs.count or 0
+  if count == 0 then return " before its first run: nothing is kept, and the same command begins again" end
   local kept = ("%d run%s kept in %s/runs.json, from which the same command goes on"):format(count, count == 1 and " is" or "s are", o.out)
   if not o.kept then return (" before its first iteration: %s"):format(kept) end
   return (": the best so far, %s with a sum of squares of %.6g, stands in %s/now.txt, and %s"):format(report.values(o, o.kept_values),

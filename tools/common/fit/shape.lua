@@ -4,6 +4,7 @@
 -- are gaps. The table that --state writes is one as well: `id` stands for `particle`, and vx, vy, vz and mass are passed over.
 local case_process = require("common.run.case_process")
 local data = require("common.fit.data")
+local units = require("common.run.units")
 
 local shape = {}
 
@@ -36,6 +37,9 @@ local function columns_of(cells)
   for name in pairs(meant) do known[#known + 1] = name end
   table.sort(known)
   for k, cell in ipairs(cells) do
+    local name, unit = units.of_heading(cell)
+    if unit and unit ~= "m" then return nil, ("the column '%s' is in %s, and a shape is in m: convert it"):format(cell, unit) end
+    if unit then cell = name end
     columns[k] = meant[cell] or false
     if not columns[k] and not passed_over[cell] then
       local near = hooke.nearest(cell, known)

@@ -8,9 +8,9 @@ local derivative = {}
 -- Differences by a parameter are taken with this part of a small change of it: linear forces leave rounding of
 -- eps/7.6e-6 = 3e-11.
 local part = 2 ^ -17 * 1e3
--- Forwards the first parameter costs 3 to 26 runs (all blocks) and each further one 0.4 to 5; backwards all of them cost 2 to 7
+-- Forwards the first parameter costs 2 to 5 runs and each further one 0.5 to 2.3; backwards all of them cost 2 to 6
 -- (tests/bench/sensitivity.c), and two evaluations a step each where it is no number of a force that gives derivatives by its
--- own, nor a mass.
+-- own, nor a mass. Forwards there is the course in time as well, so that some parameters are worth it.
 derivative.most_forwards = 8
 derivative.wider = 4 -- the differences of the second time
 derivative.most = 64 -- at a time, tools/native/sensitivity.c

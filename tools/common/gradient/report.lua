@@ -105,7 +105,7 @@ end
 function report.remarks(o, found)
   local list = {}
   for j, p in ipairs(o.parameters) do
-    local still = found.slopes[j] == 0 and found.beside[j].slopes ~= nil
+    local still = found.slopes[j] == 0 and (found.beside[j].slopes ~= nil or found.whole ~= nil)
     for _, slope in ipairs(found.beside[j].slopes or {}) do still = still and slope == 0 end
     still = still and not bends(found, j)
     if still then

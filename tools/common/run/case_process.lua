@@ -66,12 +66,12 @@ function case_process.execute(case)
   if not begun then return { failed = without_tool(first), fits = false } end
   local fine, message = pcall(advance, scene, case, states)
   local result = first:summary()
-  result.parameter_units = units.of_parameters(more)
   if fine and (result.accuracies > 0 or case.verify) then
     local again
     result, again = first:verify()
     result.second_failed = again
   end
+  result.parameter_units = units.of_parameters(more)
   if not fine then result.failed = without_tool(message) end
   if not fine and result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
   if case.finish then case.finish(result, states, first) end
@@ -284,6 +284,8 @@ local function watch(jobs)
       ended[#ended + 1] = job
     end
   end
+  -- Ctrl-C ends the runs as well, which may be seen first.
+  if stopping and #ended > 0 and process.ready({ stopping }, 0)[stopping] then stop(jobs) end
   return ended
 end
 

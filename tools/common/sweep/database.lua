@@ -51,7 +51,7 @@ local function change_journal(db, journal)
   while true do
     local fine, message = pcall(db.execute, db, "PRAGMA journal_mode = " .. journal)
     if fine then return end
-    if not message.text:find("locked") or os.time() > last then error(message, 0) end
+    if not tostring(message):find("locked") or os.time() > last then error(message, 0) end
     db:transaction(function() end)
   end
 end
